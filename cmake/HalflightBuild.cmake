@@ -1,0 +1,42 @@
+# Build rules that every folder shares: warnings, sanitizers, ccache, modules, shaders and tests.
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+find_package(Threads REQUIRED)
+
+add_library(hl_options INTERFACE)
+target_compile_options(hl_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+                                            -Wconversion -Wno-sign-conversion -Werror)
+target_compile_definitions(hl_options INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_EXPLICIT_CTOR GLM_FORCE_XYZW_ONLY
+                                                VK_NO_PROTOTYPES)
+target_include_directories(hl_options INTERFACE "${CMAKE_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/generated")
+target_link_libraries(hl_options INTERFACE Threads::Threads)
+if(HALFLIGHT_SANITIZE)
+  target_compile_options(hl_options INTERFACE "-fsanitize=${HALFLIGHT_SANITIZE}" -fno-omit-frame-pointer -g1
+                                              -fno-sanitize-recover=undefined)
+  target_link_options(hl_options INTERFACE "-fsanitize=${HALFLIGHT_SANITIZE}")
+endif()
+
+# hl_module(core SOURCES a.cpp b.cpp DEPS fmt::fmt PRIVATE_DEPS ...): a static library hl_core.
+function(hl_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  add_library(hl_${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(hl_${name} PUBLIC hl_options ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
+endfunction()
+
+# hl_test(unit/metrics_test.cpp LABELS unit DEPS hl_metrics [TIMEOUT 300]): one executable and one ctest entry.
+function(hl_test source)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;DEPS" ${ARGN})
+  string(REGEX REPLACE "[/\\.]" "_" target "${source}")
+  string(REGEX REPLACE "_cpp$" "" target "${target}")
+  add_executable(${target} ${source})
+  target_link_libraries(${target} PRIVATE ${ARG_DEPS} GTest::gtest GTest::gtest_main)
+  add_test(NAME ${target} COMMAND ${target})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  set_tests_properties(${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
