@@ -1,0 +1,27 @@
+#pragma once
+// Files read whole and written atomically, and where the program's own files are.
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hl {
+
+/// @throws Error(BadInput) naming the file.
+std::string readFile(const std::filesystem::path& file);
+
+/// Temporary file beside it, fsync, rename. @throws Error(Run) with the system's reason.
+void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes);
+
+/// The folder that holds shaders/, scenes/ and presets/: HALFLIGHT_HOME where set, else the source tree the program was built from,
+/// else beside the executable.
+std::filesystem::path homeFolder();
+/// Folder of compiled shaders (.spv): HALFLIGHT_SHADERS where set, else the build's.
+std::filesystem::path shaderFolder();
+/// XDG_CACHE_HOME/halflight, or HALFLIGHT_CACHE; created on first use.
+std::filesystem::path cacheFolder();
+/// Meshes and scenes are looked for in these, in order: `beside`, then HALFLIGHT_SCENES (a path list), then homeFolder()/scenes.
+std::vector<std::filesystem::path> scenePath(const std::filesystem::path& beside = {});
+
+}  // namespace hl

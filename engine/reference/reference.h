@@ -1,0 +1,66 @@
+#pragma once
+// The truth: an Embree path tracer that starts from G-buffer pixels or from lightmap texels (DESIGN.md section 8).
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "engine/core/image.h"
+#include "engine/core/progress.h"
+#include "engine/core/task_pool.h"
+#include "engine/metrics/metrics.h"
+#include "engine/techniques/transport.h"
+#include "engine/trace/embree_scene.h"
+
+namespace hl {
+
+/// Where irradiance is wanted. Invalid receivers (no surface) have a zero normal and stay zero.
+struct Receiver {
+  vec3 position{0.0f}, geometricNormal{0.0f}, mappedNormal{0.0f};
+  bool backFace = false;  ///< the camera sees the surface's back (normals are turned towards the camera)
+  bool twoSided = false;
+};
+
+struct ReferenceSettings {
+  int samplesPerPixel = 256;   ///< in all; half of them go to each of the two halves
+  int maxBounces = kAllBounces;
+  uint64_t seed = 1;
+  bool frontFacesOnly = false;
+  ReceiverNormal receiver = ReceiverNormal::Mapped;
+  int directSamples = 64;      ///< a receiver, for the direct image
+};
+
+/// Irradiance by bounce: bucket b holds the light that was reflected b + 1 times before it reached the receiver (the last: all more).
+struct ReferenceResult {
+  int width = 0, height = 0;
+  int samplesPerPixel = 0;     ///< reached so far
+  Image direct[2];             ///< direct irradiance, two independent halves (RGB)
+  std::array<Image, kBounceBuckets> indirect[2];
+  uint64_t backFaceHits = 0, nonFinite = 0;
+  std::string key;             ///< what it depends on; the cache's key
+
+  ReferenceImage directImage() const;
+  /// Sum of the buckets up to `bounces`.
+  ReferenceImage indirectImage(int bounces) const;
+};
+
+/// Progressive and resumable: each `advance` adds one numbered pass (a fixed number of samples a pixel). The result after pass n does not depend
+/// on slices, threads or cancellation.
+class ReferenceTracer {
+ public:
+  ReferenceTracer(std::shared_ptr<const EmbreeScene>, std::vector<Receiver> receivers, int width, int height, const ReferenceSettings&, TaskPool&);
+  ~ReferenceTracer();
+  /// Starts from a cached result where one with the same key and at most as many samples is on disk.
+  void resume();
+  bool settled() const;
+  /// One unit: at most about 100 ms of work on one core; a band of rows of the pass. Cancelled through `progress` it leaves what was done.
+  void advance(Progress&);
+  double done() const;  ///< 0 to 1
+  /// Whole passes so far; the images are consistent. Null before the first pass is complete.
+  std::shared_ptr<const ReferenceResult> result() const;
+  void store() const;   ///< to the disk cache, atomically
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hl

@@ -1,0 +1,32 @@
+#pragma once
+// A scene's buffers and textures on the device, as shaders read them (shaders/scene.glsl has the matching declarations).
+#include "engine/gpu/resources.h"
+#include "engine/scene/scene.h"
+
+namespace hl {
+
+class Device;
+
+struct GpuScene {
+  Buffer positions;      ///< vec3 a vertex
+  Buffer normals;        ///< vec3 a vertex
+  Buffer uvs;            ///< vec2 a vertex
+  Buffer indices;        ///< uvec3 a triangle
+  Buffer materialIds;    ///< uint a triangle
+  Buffer objectIds;      ///< uint a triangle
+  Buffer materials;      ///< GpuMaterial
+  Buffer lights;         ///< GpuLight; at least one element is allocated, lightCount says how many count
+  Buffer emitters;       ///< GpuEmitter
+  Texture2dArray textures;  ///< RGBA8, every layer of one size, linear filter, mipmapped; one white layer where there are none
+  uint32_t triangleCount = 0, lightCount = 0, emitterCount = 0;
+  float emitterPower = 0;   ///< sum of area times luminance, the normaliser of GpuEmitter::probability
+  vec3 sky{0.0f};
+  SceneFeatures features;
+  std::vector<std::pair<std::string, uint64_t>> memory() const;  ///< bytes by resource
+};
+
+GpuScene uploadScene(Device&, const Scene&);
+/// Lights, sky and emission changed, geometry not.
+void updateLights(Device&, GpuScene&, const Scene&);
+
+}  // namespace hl

@@ -1,0 +1,108 @@
+#pragma once
+// A scene as plain data, in metres, +Y up, right-handed, linear Rec. 709. Everything else (GPU buffers, Embree's scene, the lightmap
+// atlas) is derived from it. Geometry is one indexed triangle list in world space: triangle t is indices[t], its material materials[t].
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/core/math.h"
+
+namespace hl {
+
+inline constexpr uint32_t kNone = 0xffffffffu;
+
+/// 8-bit RGBA as stored in the file, top row first; an albedo texture is sRGB, a normal map linear.
+struct Texture {
+  std::string name;
+  int width = 0, height = 0;
+  bool srgb = true;
+  std::vector<uint8_t> rgba;
+};
+
+struct Material {
+  std::string name;
+  vec3 albedo{0.8f};      ///< multiplied by the texture; the product is capped at kMaxAlbedo (counted at import)
+  vec3 emission{0.0f};    ///< radiance [W/(sr m^2)] of the front side; emitters are one-sided
+  uint32_t albedoTexture = kNone, normalTexture = kNone;
+  float alphaCutoff = 0;  ///< > 0: where the albedo texture's alpha is below it there is no surface
+  bool twoSided = false;  ///< false: the back reflects nothing (and is counted when seen or hit)
+};
+inline constexpr float kMaxAlbedo = 0.99f;
+
+struct PointLight {
+  std::string name;
+  vec3 position{0.0f};
+  vec3 intensity{1.0f};  ///< W/sr
+};
+struct SpotLight {
+  std::string name;
+  vec3 position{0.0f}, direction{0, -1, 0};  ///< unit, away from the light
+  vec3 intensity{1.0f};                      ///< W/sr on the axis
+  float innerAngle = 0.3f, outerAngle = 0.5f;  ///< half-angles [rad]; smoothstep of the angle's cosine between them
+};
+struct DirectionalLight {
+  std::string name;
+  vec3 direction{0, -1, 0};  ///< unit, the way the light travels
+  vec3 irradiance{1.0f};     ///< W/m^2 on a surface that faces it
+};
+
+struct Camera {
+  std::string name;
+  vec3 position{0, 1, 5}, target{0, 1, 0}, up{0, 1, 0};
+  float verticalFov = 0.8f;  ///< [rad]
+};
+
+/// A named rectangle of the image, as fractions of its size.
+struct Region {
+  std::string name;
+  float x = 0, y = 0, width = 1, height = 1;
+};
+
+/// What the import changed or passed over; shown by doctor and the Scene dock.
+struct ImportReport {
+  uint64_t degenerateTriangles = 0;  ///< zero-area triangles, dropped
+  uint64_t cappedAlbedo = 0;         ///< materials whose albedo exceeded kMaxAlbedo
+  uint64_t missingTextures = 0;
+  vec3 recentred{0.0f};              ///< subtracted from every position where the scene lay far from the origin
+  std::vector<std::string> warnings;
+};
+
+struct Scene {
+  std::string name;
+  std::filesystem::path source;  ///< the file it came from
+  std::string hash;              ///< content: geometry, materials, textures, lights, sky
+
+  std::vector<vec3> positions, normals;  ///< one normal a vertex, unit; generated where the file has none
+  std::vector<vec2> uvs;                 ///< texture coordinates, v upwards as in OBJ; zero where the file has none
+  std::vector<vec2> lightmapUvs;         ///< the file's second UV set; empty where it has none
+  bool hasUvs = false;
+  std::vector<uvec3> indices;
+  std::vector<uint32_t> materialIds, objectIds;  ///< one a triangle
+  std::vector<std::string> objects;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+
+  std::vector<PointLight> pointLights;
+  std::vector<SpotLight> spotLights;
+  std::vector<DirectionalLight> directionalLights;
+  vec3 sky{0.0f};  ///< radiance from every direction that hits nothing
+
+  std::vector<Camera> cameras;  ///< at least one after loading
+  std::vector<Region> regions;
+  Bounds bounds;
+  ImportReport report;
+
+  size_t triangles() const { return indices.size(); }
+};
+
+/// What the scene has, so that passes and shader variants do only what it needs.
+struct SceneFeatures {
+  bool surfaces = false, emissive = false, pointLights = false, spotLights = false, directionalLights = false, sky = false;
+  bool alphaTested = false, albedoTextures = false, normalMaps = false, twoSided = false;
+  uint32_t emissiveTriangles = 0;
+  bool anyLight() const { return emissive || pointLights || spotLights || directionalLights || sky; }
+};
+SceneFeatures sceneFeatures(const Scene&);
+
+}  // namespace hl

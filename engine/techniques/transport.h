@@ -1,0 +1,16 @@
+#pragma once
+// Which light paths a technique models, so that the reference can be limited to exactly these.
+namespace hl {
+
+enum class ReceiverNormal { Geometric, Mapped };
+
+struct Transport {
+  int bounces = 16;                  ///< indirect bounces; kAllBounces for all
+  bool frontFacesOnly = false;       ///< back faces neither receive nor reflect, two-sided or not
+  ReceiverNormal receiver = ReceiverNormal::Mapped;
+  bool operator==(const Transport&) const = default;
+};
+inline constexpr int kAllBounces = 1 << 20;
+inline constexpr int kBounceBuckets = 17;  ///< bounces 1 to 16, and the rest
+
+}  // namespace hl

@@ -1,0 +1,34 @@
+#pragma once
+// Embree over the scene's triangles, on the host. Embree's headers are in embree_scene.cpp alone.
+#include <memory>
+#include <span>
+
+#include "engine/core/progress.h"
+#include "engine/core/task_pool.h"
+#include "engine/scene/scene.h"
+#include "shaders/shared/ray.h"
+
+namespace hl {
+
+class EmbreeScene {
+ public:
+  /// Keeps a reference to `scene` (positions, UVs and textures for alpha tests): it must outlive this.
+  explicit EmbreeScene(const Scene& scene, Progress* = nullptr);
+  ~EmbreeScene();
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  shared::Hit closest(const shared::Ray&) const;  ///< one ray; thread-safe
+  bool occluded(const shared::Ray&) const;
+  /// Batches on this thread, coherent or not.
+  void closest(std::span<const shared::Ray>, std::span<shared::Hit>) const;
+  void occluded(std::span<const shared::Ray>, std::span<uint32_t>) const;
+  const Scene& scene() const { return scene_; }
+
+ private:
+  const Scene& scene_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hl

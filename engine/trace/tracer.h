@@ -1,0 +1,39 @@
+#pragma once
+// One interface to cast a batch of rays from device buffers, whatever does the casting (DESIGN.md section 6).
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/core/task_pool.h"
+#include "engine/gpu/frame_graph.h"
+#include "engine/scene/gpu_scene.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/embree_scene.h"
+
+namespace hl {
+
+enum class Query { Closest, Any };
+
+class Tracer {
+ public:
+  virtual ~Tracer() = default;
+  virtual const char* id() const = 0;  ///< "embree", "bvh"
+  /// Adds the pass `name` to the graph. rays: `count` shared::Ray. Closest: `out` holds `count` shared::Hit. Any: `out` holds `count` uints, 1 where
+  /// something lies between tMin and tMax, else 0. Alpha-tested surfaces count only where they are opaque.
+  virtual void record(FrameGraph&, const std::string& name, const Buffer& rays, const Buffer& out, uint32_t count, Query) = 0;
+  virtual std::vector<std::pair<std::string, uint64_t>> memory() const { return {}; }
+};
+
+struct TracerListing {
+  std::string id;
+  bool available = false;
+  std::string reason;  ///< why not
+};
+std::vector<TracerListing> listTracers(const Device&);
+/// `id` "auto": embree on a CPU device, else bvh (until `pipeline` exists). `embree` may be shared with the reference.
+/// @throws Error(BadInput) for an unknown or unavailable id, with those that are.
+std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<const EmbreeScene> embree,
+                                   TaskPool&, Progress* = nullptr);
+
+}  // namespace hl
