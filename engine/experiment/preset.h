@@ -1,0 +1,43 @@
+#pragma once
+// A preset: everything needed to make a picture again (DESIGN.md section 9).
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/passes/display.h"
+#include "engine/scene/scene.h"
+
+namespace hl {
+
+inline constexpr int kPresetVersion = 1;
+
+struct Preset {
+  std::string scene = "cornell_box";
+  std::string cameraName;                  ///< a camera of the scene; "" the first
+  std::optional<Camera> camera;            ///< set when it was moved: written in place of the name
+  int width = 640, height = 360;
+  uint32_t seed = 1;
+  std::string technique = "radiosity";
+  std::map<std::string, std::string> parameters;  ///< by dotted key, as text; only those that differ from the default
+  Display display;
+  std::filesystem::path file;              ///< where it came from, not part of its identity
+  std::vector<std::string> warnings;       ///< of loading: unknown keys of a newer version, migrations
+};
+
+/// @throws Error(BadInput): file, JSON path, value, what would be right. A newer version warns and loads what it knows.
+Preset loadPreset(const std::filesystem::path&);
+Preset presetFromJson(const std::string& text, const std::string& whereFrom);
+/// `resolved`: every parameter with its value, not only those that differ.
+std::string presetJson(const Preset&, bool resolved = false);
+void savePreset(const Preset&, const std::filesystem::path&);
+/// Of its canonical JSON, without display and file: what the numbers depend on.
+std::string presetHash(const Preset&);
+struct PresetListing {
+  std::string id, label;
+  std::filesystem::path file;
+};
+std::vector<PresetListing> listPresets();
+
+}  // namespace hl

@@ -1,0 +1,136 @@
+#pragma once
+// The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/core/image.h"
+#include "engine/core/progress.h"
+#include "engine/experiment/preset.h"
+#include "engine/gpu/device.h"
+#include "engine/gpu/profiler.h"
+#include "engine/metrics/metrics.h"
+#include "engine/params/param.h"
+#include "engine/reference/reference.h"
+#include "engine/scene/scene.h"
+#include "engine/techniques/technique.h"
+
+namespace hl {
+
+struct SessionOptions {
+  DeviceOptions device;
+  std::string tracer = "auto";
+};
+
+struct ErrorValue {
+  std::string reference;  ///< "matched" or "full"
+  std::string target;     ///< "image" or "lightmap"
+  std::string component;  ///< "indirect" or "final"
+  std::string metric;
+  double value = 0, noiseFloor = 0, standardError = 0;
+  uint64_t nonFinite = 0;
+  std::string roi;        ///< "" for the whole image
+};
+
+struct Provenance {
+  std::string commit, presetHash, sceneHash, device, driver, api, tracer, timing;
+  bool dirty = false;
+  uint32_t seed = 1;
+};
+
+/// Where long work stands; published with each frame.
+struct WorkReport {
+  std::string label;        ///< "radiosity: bounce 3 of 8", "reference"
+  double done = 1;          ///< 0 to 1
+  double secondsLeft = -1;  ///< unknown
+  bool running = false;
+};
+
+struct ConvergencePoint {
+  uint64_t frame = 0;
+  double ms = 0;            ///< of work since the reset, frames and units
+  std::vector<ErrorValue> errors;
+};
+
+/// Everything about a finished frame. Immutable once published; shared between threads.
+struct FrameResult {
+  uint64_t number = 0;               ///< frames since the session started
+  uint32_t frame = 0;                ///< frames since the last reset
+  int width = 0, height = 0;
+  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
+  std::string displayHash;
+  std::string view;
+  PassStatistics frameTime;
+  std::vector<PassStatistics> passes;     ///< of frames
+  std::vector<PassStatistics> workPasses; ///< of the units of long work
+  std::vector<PassTiming> lastPasses;     ///< of this frame alone
+  std::vector<MemoryItem> memory;
+  std::vector<std::pair<std::string, double>> counters;
+  WorkReport technique, reference;
+  std::vector<ErrorValue> errors;    ///< as of the last measurement
+  std::vector<ConvergencePoint> convergence;
+  bool settled = false;              ///< nothing would change with further frames
+  Provenance provenance;
+  std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""
+  PickReport pick;
+  std::shared_ptr<const Scene> scene;
+  Preset preset;                     ///< as it stands
+};
+
+class Session {
+ public:
+  explicit Session(const SessionOptions& = {});
+  ~Session();
+
+  // Edits. Each is checked here and takes effect at the next frame; one that throws Error(BadInput) leaves everything as it was.
+  void load(const Preset&, Progress* = nullptr);
+  void setScene(const std::string& nameOrPath, Progress* = nullptr);  ///< keeps technique, parameters and display
+  void setTechnique(const std::string& id);
+  void setParam(const std::string& key, const std::string& text);
+  void setCamera(const Camera&);
+  void setCameraName(const std::string&);
+  void setLights(const std::vector<PointLight>&, const std::vector<SpotLight>&, const std::vector<DirectionalLight>&, vec3 sky);
+  void setResolution(int width, int height);
+  void setSeed(uint32_t);
+  void setDisplay(const Display&);
+  void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
+  void setReferenceWanted(bool);            ///< progress the reference between frames
+  void setWorkPaused(bool);
+  void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
+  void restartWork();
+  ReloadReport reloadShaders();
+  void resetTechnique();
+
+  Preset preset() const;
+  ParamSet& params();                       ///< groups of the current technique and the shared ones; read only outside the session
+  const Scene& scene() const;
+  std::shared_ptr<const Scene> sceneShared() const;
+  const SceneFeatures& features() const;
+  Device& device();
+  Technique& technique();
+  const Atlas* atlas() const;
+  Transport transport() const;
+
+  /// Drains edits, renders one frame, publishes. Between frames it gives long work `slice_ms`.
+  std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
+  /// Frames until nothing would change any more (bake and direct light settled).
+  std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
+  /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
+  std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
+  std::shared_ptr<const ReferenceResult> currentReference() const;
+
+  /// Linear images of the last frame: "final", "indirect", "direct", "albedo", a debug view. @throws Error(BadInput) naming the views there are.
+  Image image(const std::string& view);
+  /// Against the reference as far as it has come (empty without one).
+  std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
+  Image errorMap(const std::string& metric, const std::string& reference);
+  Provenance provenance() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hl

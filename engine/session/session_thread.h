@@ -1,0 +1,40 @@
+#pragma once
+// Runs a Session on a thread of its own: the window posts edits and reads published results, and never waits for a frame.
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "engine/session/session.h"
+
+namespace hl {
+
+class SessionThread {
+ public:
+  /// Starts the thread; the session is made there (a failure is published as state().fatal).
+  explicit SessionThread(const SessionOptions&);
+  /// Cancels what runs and joins; at most about one unit of work.
+  ~SessionThread();
+
+  /// Runs `edit` on the session's thread before the next frame. Edits posted with the same non-empty `key` replace one another while they wait.
+  /// An Error thrown by it reaches `onError` (see setCallbacks), and the session stays as it was.
+  void post(std::function<void(Session&)> edit, const std::string& key = {});
+  /// Cancels the running import, bake or reference at once, from any thread.
+  void cancel();
+
+  /// The newest result; null before the first. Never blocks for longer than a pointer copy.
+  std::shared_ptr<const FrameResult> latest() const;
+  /// Progress of the load or rebuild that runs now (thread-safe to read), for the status bar.
+  std::shared_ptr<const Progress> progress() const;
+
+  /// Both are called on the session's thread; forward them to the window's event loop by a queued call.
+  void setCallbacks(std::function<void()> onFrame, std::function<void(const Error&)> onError);
+  /// Frames pause (work goes on) while the viewport is hidden; both pause when `paused`.
+  void setVisible(bool);
+  void setPaused(bool);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hl

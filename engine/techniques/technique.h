@@ -1,0 +1,126 @@
+#pragma once
+// What a global illumination technique is to the rest of the program (DESIGN.md sections 1 and 3).
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/progress.h"
+#include "engine/gpu/frame_graph.h"
+#include "engine/lightmap/atlas.h"
+#include "engine/params/groups.h"
+#include "engine/params/param.h"
+#include "engine/passes/direct_light.h"
+#include "engine/passes/gbuffer.h"
+#include "engine/scene/gpu_scene.h"
+#include "engine/techniques/transport.h"
+#include "engine/trace/tracer.h"
+
+namespace hl {
+
+struct Gpu {
+  Device& device;
+  ShaderLibrary& shaders;
+};
+
+/// The loaded scene in every form that a technique may use. Lives at least as long as the technique.
+struct SceneView {
+  const Scene& scene;
+  const SceneFeatures& features;
+  const GpuScene& gpuScene;
+  Tracer& tracer;
+  DirectLight& directLight;
+  TaskPool& pool;
+  const Atlas* atlas = nullptr;      ///< where Needs::lightmap
+  const LightmapParams& lightmap;
+  const DirectParams& direct;
+  uint32_t seed = 1;
+};
+
+struct FrameInputs {
+  const GBuffer& gbuffer;
+  uint32_t frame = 0;                ///< since the last reset
+  uint32_t seed = 1;
+};
+
+/// Indirect irradiance [W/m^2], RGBA32F at G-buffer pixels.
+struct IndirectLight {
+  GpuImage irradiance;
+};
+
+struct MemoryItem {
+  std::string name;
+  uint64_t bytes = 0;
+};
+
+/// An image or overlay for the viewport, of G-buffer size unless `lightmap`.
+struct DebugView {
+  std::string id, label;
+  GpuImage image;
+  bool lightmap = false;             ///< the image is the lightmap itself
+  bool irradiance = true;            ///< scene-referred (exposure and tone map apply); else shown as it is
+};
+
+/// Long work in numbered units (bake, precomputation). What a unit computes never depends on time.
+struct WorkState {
+  uint64_t done = 0, total = 0;      ///< units; equal: settled
+  std::string label;                 ///< "bounce 3 of 8"
+  double residual = 0;
+  bool settled() const { return done >= total; }
+};
+
+/// A surface point the person picked, and why it looks as it does.
+struct PickedPoint {
+  vec3 position{0.0f}, normal{0.0f};
+  uint32_t triangle = kNone;
+  vec2 lightmapUv{0.0f};
+  int x = 0, y = 0;
+};
+struct PickSample {
+  vec3 from{0.0f}, to{0.0f};
+  vec3 radiance{0.0f};
+  float weight = 0;
+};
+struct PickReport {
+  std::vector<std::pair<std::string, std::string>> facts;  ///< "texel", "(12, 40)"
+  std::vector<PickSample> samples;
+};
+
+class Technique {
+ public:
+  struct Needs {
+    bool lightmap = false;
+  };
+  virtual ~Technique() = default;
+  virtual Needs needs() const { return {}; }
+  virtual ParamView params() = 0;
+  virtual Transport transport() const = 0;
+  /// Allocation and precomputation after a scene, resolution or Rebuild-parameter change. @throws Error(BadInput) for settings that make no sense together.
+  virtual void rebuild(Gpu&, const SceneView&, Progress&) = 0;
+  /// Light or a Reset-parameter changed: histories and work start again, allocations stay.
+  virtual void reset() {}
+  virtual WorkState work() const { return {}; }
+  /// Records the next unit of work(), at most about 50 ms of it on a CPU device; called between frames while it has not settled.
+  virtual void recordWork(FrameGraph&) {}
+  virtual IndirectLight record(FrameGraph&, const FrameInputs&) = 0;
+  virtual std::vector<DebugView> debugViews() const { return {}; }
+  virtual std::vector<MemoryItem> memory() const { return {}; }
+  /// Counters since the last reset: "back_face_hits", "invalid_texels", ... Read between frames.
+  virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
+  virtual PickReport pick(const PickedPoint&) { return {}; }
+  /// The technique's irradiance by lumel, in the atlas's order, RGB; empty where it has no lightmap. Blocking.
+  virtual std::vector<vec3> lightmapIrradiance() { return {}; }
+};
+
+struct TechniqueInfo {
+  std::string_view id, label, summary;
+  std::unique_ptr<Technique> (*create)();
+};
+/// All techniques, `none` (direct light only) first. CMake writes it from the folders: each has technique.cmake, and defines
+/// `TechniqueInfo <id>TechniqueInfo()`.
+std::span<const TechniqueInfo> techniqueInfos();
+/// @throws Error(BadInput) naming the nearest known id.
+const TechniqueInfo& techniqueInfo(std::string_view id);
+
+}  // namespace hl
