@@ -13,10 +13,19 @@ namespace hl {
 
 inline constexpr int kPresetVersion = 1;
 
+/// Lights that were changed against the scene's file; written only then.
+struct LightEdits {
+  std::vector<PointLight> points;
+  std::vector<SpotLight> spots;
+  std::vector<DirectionalLight> directionals;
+  vec3 sky{0.0f};
+};
+
 struct Preset {
   std::string scene = "cornell_box";
   std::string cameraName;                  ///< a camera of the scene; "" the first
   std::optional<Camera> camera;            ///< set when it was moved: written in place of the name
+  std::optional<LightEdits> lights;        ///< JSON key "lights": the whole set, in place of the scene's
   int width = 640, height = 360;
   uint32_t seed = 1;
   std::string technique = "radiosity";

@@ -75,7 +75,10 @@ struct FrameResult {
   Provenance provenance;
   std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""
   PickReport pick;
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Scene> scene;  ///< names, materials, lights, cameras, regions, bounds and report; geometry and textures left out
+  SceneFeatures features;
+  uint64_t triangles = 0;
+  AtlasReport atlas;                 ///< zero where the technique has no lightmap
   Preset preset;                     ///< as it stands
 };
 
@@ -106,7 +109,6 @@ class Session {
   Preset preset() const;
   ParamSet& params();                       ///< groups of the current technique and the shared ones; read only outside the session
   const Scene& scene() const;
-  std::shared_ptr<const Scene> sceneShared() const;
   const SceneFeatures& features() const;
   Device& device();
   Technique& technique();
