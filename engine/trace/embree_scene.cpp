@@ -1,0 +1,185 @@
+#include "engine/trace/embree_scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.h"
+#include "engine/trace/alpha_test.h"
+
+namespace hl {
+namespace {
+
+constexpr shared::Hit kMissed{0, shared::kMiss, 0, 0};
+
+struct FilterData {
+  const Scene* scene = nullptr;
+  const std::vector<uint32_t>* triangles = nullptr;
+};
+
+bool active(const shared::Ray& r) { return std::max(r.tMin, 0.0f) <= r.tMax; }  // false for NaN as well
+
+}  // namespace
+
+struct EmbreeScene::Impl {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  /// Scene triangle of (geometry, primitive); empty where geometry 0 is the scene's whole triangle list.
+  std::array<std::vector<uint32_t>, 2> triangles;
+  std::array<std::vector<uvec3>, 2> indices;
+  std::vector<float> positions;  ///< a copy: Embree reads 16 bytes at every vertex, 4 beyond the last
+  FilterData filter;
+  Progress* progress = nullptr;  ///< while the tree is built
+  std::string firstError;
+
+  ~Impl() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+
+  void check(const char* what) {
+    const RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_NONE) return;
+    if (progress) progress->check();
+    const std::string text = firstError.empty() ? "code " + std::to_string(static_cast<int>(code)) : firstError;
+    throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::Device : ErrorKind::Run,
+                std::string("embree: ") + what + ": " + text);
+  }
+
+  uint32_t sceneTriangle(uint32_t geometry, uint32_t primitive) const {
+    return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
+  }
+
+  void attach(unsigned id, const std::vector<uvec3>& list, RTCFilterFunctionN keep, void* user) {
+    if (list.empty()) return;
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(vec3),
+                               positions.size() / 3 - 1);
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, list.data(), 0, sizeof(uvec3),
+                               list.size());
+    rtcSetGeometryUserData(g, user);
+    if (keep) {
+      rtcSetGeometryIntersectFilterFunction(g, keep);
+      rtcSetGeometryOccludedFilterFunction(g, keep);
+    }
+    rtcCommitGeometry(g);
+    rtcAttachGeometryByID(scene, g, id);
+    rtcReleaseGeometry(g);
+  }
+};
+
+namespace {
+
+/// Drops hits where an alpha-tested surface has no substance.
+void alphaFilter(const RTCFilterFunctionNArguments* args) {
+  const auto* data = static_cast<const FilterData*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    const uint32_t triangle = (*data->triangles)[RTCHitN_primID(args->hit, args->N, i)];
+    if (!opaqueAt(*data->scene, triangle, RTCHitN_u(args->hit, args->N, i), RTCHitN_v(args->hit, args->N, i)))
+      args->valid[i] = 0;
+  }
+}
+
+RTCRay toEmbree(const shared::Ray& r) {
+  RTCRay ray;
+  ray.org_x = r.origin.x, ray.org_y = r.origin.y, ray.org_z = r.origin.z;
+  ray.dir_x = r.direction.x, ray.dir_y = r.direction.y, ray.dir_z = r.direction.z;
+  ray.tnear = std::max(r.tMin, 0.0f), ray.tfar = r.tMax;
+  ray.time = 0, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
+  return ray;
+}
+
+}  // namespace
+
+EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene) {
+  impl_ = std::make_unique<Impl>();
+  Impl& im = *impl_;
+  im.progress = progress;
+  im.device = rtcNewDevice(nullptr);
+  if (!im.device) {
+    const int code = static_cast<int>(rtcGetDeviceError(nullptr));
+    throw Error(ErrorKind::Run, "embree: cannot create its device (code " + std::to_string(code) + ")");
+  }
+  rtcSetDeviceErrorFunction(
+      im.device,
+      [](void* user, RTCError, const char* text) {
+        if (auto& e = *static_cast<std::string*>(user); e.empty()) e = text;
+      },
+      &im.firstError);
+  im.scene = rtcNewScene(im.device);
+  rtcSetSceneFlags(im.scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(im.scene, RTC_BUILD_QUALITY_HIGH);
+  if (progress) {
+    progress->begin("building ray tracing tree", 1000);
+    rtcSetSceneProgressMonitorFunction(
+        im.scene,
+        [](void* user, double done) {
+          auto* p = static_cast<Progress*>(user);
+          const auto now = static_cast<uint64_t>(std::clamp(done, 0.0, 1.0) * 1000.0);
+          if (now > p->done()) p->advance(now - p->done());
+          return !p->cancelled();
+        },
+        progress);
+  }
+
+  im.positions.resize(3 * (scene.positions.size() + 1));
+  for (size_t i = 0; i < scene.positions.size(); ++i)
+    for (int k = 0; k < 3; ++k) im.positions[3 * i + static_cast<size_t>(k)] = scene.positions[i][k];
+
+  const std::vector<bool> tested = alphaTestedTriangles(scene);
+  if (tested.empty()) {
+    im.attach(0, scene.indices, nullptr, nullptr);
+  } else {
+    for (uint32_t t = 0; t < scene.indices.size(); ++t) {
+      im.triangles[tested[t]].push_back(t);
+      im.indices[tested[t]].push_back(scene.indices[t]);
+    }
+    im.filter = {&scene, &im.triangles[1]};
+    im.attach(0, im.indices[0], nullptr, nullptr);
+    im.attach(1, im.indices[1], alphaFilter, &im.filter);
+  }
+  rtcCommitScene(im.scene);
+  if (progress) progress->check();
+  im.check("building the tree");
+  rtcSetSceneProgressMonitorFunction(im.scene, nullptr, nullptr);
+  im.progress = nullptr;
+}
+
+EmbreeScene::~EmbreeScene() = default;
+
+shared::Hit EmbreeScene::closest(const shared::Ray& r) const {
+  if (!active(r)) return kMissed;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query;
+  query.ray = toEmbree(r);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return kMissed;
+  return {query.ray.tfar, impl_->sceneTriangle(query.hit.geomID, query.hit.primID), query.hit.u, query.hit.v};
+}
+
+bool EmbreeScene::occluded(const shared::Ray& r) const {
+  if (!active(r)) return false;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = toEmbree(r);
+  rtcOccluded1(impl_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
+void EmbreeScene::closest(std::span<const shared::Ray> rays, std::span<shared::Hit> hits) const {
+  for (size_t i = 0; i < rays.size(); ++i) hits[i] = closest(rays[i]);
+}
+
+void EmbreeScene::occluded(std::span<const shared::Ray> rays, std::span<uint32_t> out) const {
+  for (size_t i = 0; i < rays.size(); ++i) out[i] = occluded(rays[i]) ? 1 : 0;
+}
+
+}  // namespace hl
