@@ -1,17 +1,18 @@
 #pragma once
-// The parameter groups that several techniques share: LightmapParams, DirectParams, ReferenceParams, DisplayParams. A technique's own group is in
-// its folder. Each list file becomes a struct with the defaults, its enums, and (in groups.cpp) its table, by including declare_group.h.
-#define HL_PARAM_GROUP lightmap
-#define HL_PARAM_STRUCT LightmapParams
+// The parameter groups that several techniques share: LightmapParams, DirectParams, ReferenceParams. A technique's own group is in its folder.
+// README.md beside this file says how a list file becomes a struct, a table and a GLSL block.
 #define HL_PARAM_LIST "engine/params/lightmap.inl"
 #include "engine/params/declare_group.h"
 
-#define HL_PARAM_GROUP direct
-#define HL_PARAM_STRUCT DirectParams
 #define HL_PARAM_LIST "engine/params/direct.inl"
 #include "engine/params/declare_group.h"
 
-#define HL_PARAM_GROUP reference
-#define HL_PARAM_STRUCT ReferenceParams
 #define HL_PARAM_LIST "engine/params/reference.inl"
 #include "engine/params/declare_group.h"
+
+namespace hl {
+
+/// The tables of the shared groups, in the order they are shown.
+std::vector<std::span<const ParamInfo>> sharedParamGroups();
+
+}  // namespace hl

@@ -33,6 +33,22 @@ struct ParamInfo {
   std::string key() const { return std::string(group) + "." + std::string(name); }
 };
 
+/// What declare_group.h checks at compile time of every list file.
+namespace param_declarations {
+constexpr bool countsUpFromZero(std::span<const int32_t> numbers) {
+  for (size_t i = 0; i < numbers.size(); ++i)
+    if (numbers[i] != static_cast<int32_t>(i)) return false;
+  return true;
+}
+constexpr bool rangesMakeSense(std::span<const ParamInfo> infos) {
+  for (const ParamInfo& p : infos) {
+    if (!(p.min <= p.def && p.def <= p.max && p.min <= p.softMin && p.softMin <= p.softMax && p.softMax <= p.max)) return false;
+    if (p.scale == ParamScale::Log && !(p.softMin > 0)) return false;  // a log slider cannot start at 0
+  }
+  return true;
+}
+}  // namespace param_declarations
+
 /// A group's values with their declarations. Does not own the values.
 class ParamView {
  public:
@@ -43,6 +59,8 @@ class ParamView {
   /// @throws Error(BadInput) naming key, value and range.
   void set(const ParamInfo&, ParamValue);
   void reset();
+  ParamValue defaultOf(const ParamInfo&) const;
+  bool isDefault(const ParamInfo&) const;
   const void* data() const { return data_; }
 
  private:
