@@ -1,0 +1,1 @@
+set(TECHNIQUE_SOURCES none.cpp)
