@@ -87,6 +87,9 @@ class Session {
   explicit Session(const SessionOptions& = {});
   ~Session();
 
+  /// Where long work reports, and how it is cancelled, when a call is given no Progress of its own.
+  void useProgress(std::shared_ptr<Progress>);
+
   // Edits. Each is checked here and takes effect at the next frame; one that throws Error(BadInput) leaves everything as it was.
   void load(const Preset&, Progress* = nullptr);
   void setScene(const std::string& nameOrPath, Progress* = nullptr);  ///< keeps technique, parameters and display

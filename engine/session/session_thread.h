@@ -10,7 +10,8 @@ namespace hl {
 
 class SessionThread {
  public:
-  /// Starts the thread; the session is made there (a failure is published as state().fatal).
+  /// Starts the thread; the session is made there (a failure reaches onError, with ErrorKind::Device where it is the device's). Frames begin with the
+  /// first edit, so that the owner chooses what is loaded. After an Error of kind Device the thread is done: make a new SessionThread.
   explicit SessionThread(const SessionOptions&);
   /// Cancels what runs and joins; at most about one unit of work.
   ~SessionThread();

@@ -1,0 +1,182 @@
+// One frame: prepare what edits made stale, record the passes, execute, publish.
+#include <fmt/core.h>
+
+#include "engine/core/hash.h"
+#include "engine/core/log.h"
+#include "engine/session/session_impl.h"
+
+namespace hl {
+namespace {
+
+// A statistic over fewer frames says little; over more, it costs the person's time (MEASURES.md section 4).
+constexpr uint64_t kTimedFrames = 30, kLeastTimedFrames = 5;
+constexpr double kTimingBudgetMs = 60e3;
+// How much of a slice goes to the reference once the technique has settled.
+constexpr double kReferenceSliceMs = 60;
+constexpr double kMeasureEveryMs = 2000;
+const std::vector<std::string> kLiveMetrics = {"relmse", "mse", "rmse", "mae", "smape", "bias", "psnr"};
+
+PickedPoint pickedPoint(Device& device, const GBuffer& g, int x, int y) {
+  PickedPoint p;
+  p.x = x, p.y = y;
+  if (x < 0 || y < 0 || x >= g.width || y >= g.height) return p;
+  const Image position = device.download(g.position), normal = device.download(g.normal), geometric = device.download(g.geometricNormal);
+  const float* a = position.pixel(x, y);
+  if (a[3] == 0) return p;
+  const float* n = geometric.pixel(x, y);
+  std::vector<uint32_t> ids(position.pixels() * 2);
+  device.download(g.ids, ids.data(), ids.size() * sizeof(uint32_t));
+  p.position = vec3(a[0], a[1], a[2]);
+  p.normal = vec3(n[0], n[1], n[2]);
+  p.lightmapUv = vec2(normal.pixel(x, y)[3], n[3]);
+  p.triangle = ids[(static_cast<size_t>(y) * static_cast<size_t>(g.width) + static_cast<size_t>(x)) * 2] - 1;
+  return p;
+}
+
+}  // namespace
+
+std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
+  Impl& s = *impl_;
+  Progress& p = progress ? *progress : *impl_->progress;
+  if (!s.scene) load(Preset{}, &p);
+  s.prepare(p);
+
+  const int width = s.preset.width, height = s.preset.height;
+  const bool hasSurfaces = s.features.surfaces;
+  s.gbuffer = recordGBuffer(s.graph, s.gpuScene, s.cornerUvs, s.camera(), width, height);
+  s.directImage = s.directLight->recordPixels(s.graph, s.gbuffer, s.direct, s.preset.seed);
+  s.indirectImage = {};
+  if (s.held || s.techniqueStale) {
+    s.graph.skip(s.preset.technique, "its preparation was cancelled or failed");
+  } else if (!hasSurfaces || !s.features.anyLight()) {
+    s.graph.skip(s.preset.technique, hasSurfaces ? "the scene has no lights" : "the scene has no surfaces");
+  } else {
+    s.indirectImage = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed}).irradiance;
+  }
+  s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky);
+
+  GpuImage source = s.finalImage;
+  bool sceneReferred = true;
+  const std::string& viewId = s.preset.display.view;
+  if (viewId == "indirect_irradiance" && s.indirectImage) source = s.indirectImage;
+  if (viewId == "direct") source = s.directImage;
+  if (viewId == "albedo") source = s.gbuffer.albedo, sceneReferred = false;
+  if (viewId == "normal") source = s.gbuffer.normal, sceneReferred = false;
+  if (viewId == "position") source = s.gbuffer.position, sceneReferred = false;
+  if (viewId == "emission") source = s.gbuffer.emission;
+  if (viewId == "indirect") source = recordComposite(s.graph, s.gbuffer, GpuImage(), s.indirectImage, vec3(0));
+  if (!s.held)
+    for (const DebugView& v : s.technique->debugViews())
+      if (v.id == viewId && v.image) source = v.image, sceneReferred = v.irradiance;
+  s.displayImage = recordToneMap(s.graph, source, s.preset.display, sceneReferred, width, height, s.displayCounters);
+  BatchTimings timings = s.graph.execute();
+  s.serialisedTiming = timings.serialised;
+  s.frameProfiler.add(timings);
+  s.lastTimings = timings;
+  s.msSinceReset += timings.wallMs;
+  ++s.frameNumber;
+  ++s.frameSinceReset;
+  uint32_t counters[2] = {0, 0};
+  s.device.download(s.displayCounters, counters, sizeof counters);
+  s.nonFinite = counters[0], s.negative = counters[1];
+
+  if (s.pickPixel) {
+    s.pickReport = s.technique->pick(pickedPoint(s.device, s.gbuffer, s.pickPixel->first, s.pickPixel->second));
+    s.pickPixel.reset();
+  }
+  if (s.referenceWanted && !s.referenceStopped && !s.full.tracer) s.startReferences();
+  if (!s.workPaused) {
+    try {
+      if (!s.workSettled()) {
+        s.runWork(s.sliceMs(), p);
+      } else if (s.referenceWanted && !s.referenceStopped) {
+        s.runReference(kReferenceSliceMs, p);
+      }
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::Cancelled) throw;
+      s.workStopped = s.referenceStopped = true;
+      s.message = e.what();
+    }
+  }
+  // Measured on a schedule, and once more at the end, so that a settled session shows the numbers of what it shows.
+  const bool referencesDone = s.referencesSettled();
+  const bool allSettled = s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
+  const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > kMeasureEveryMs;
+  if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled)) {
+    s.lastMeasurementMs = s.msSinceReset + s.referenceMs;
+    s.measuredSettled = allSettled;
+    s.errors = measureErrors(kLiveMetrics);
+    s.convergence.push_back({s.frameSinceReset, s.msSinceReset, s.errors});
+  }
+
+  auto result = std::make_shared<FrameResult>();
+  FrameResult& r = *result;
+  r.number = s.frameNumber;
+  r.frame = s.frameSinceReset;
+  r.width = width, r.height = height;
+  r.view = viewId;
+  r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
+  s.device.download(s.displayImage, r.display.data(), r.display.size());
+  s.showHostView(r);
+  r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
+  r.frameTime = s.frameProfiler.frame();
+  r.passes = s.frameProfiler.passes();
+  r.workPasses = s.workProfiler.passes();
+  r.lastPasses = timings.passes;
+  for (const auto& [name, bytes] : s.gpuScene.memory()) r.memory.push_back({"scene: " + name, bytes});
+  for (const auto& [name, bytes] : s.tracer->memory()) r.memory.push_back({"tracer: " + name, bytes});
+  for (const auto& [name, bytes] : s.directLight->memory()) r.memory.push_back({"direct: " + name, bytes});
+  for (const MemoryItem& m : s.technique->memory()) r.memory.push_back({s.preset.technique + ": " + m.name, m.bytes});
+  r.memory.push_back({"device: all blocks", s.device.bytesAllocated()});
+  r.counters = {{"nan_inf", s.nonFinite}, {"negative", s.negative}};
+  for (const auto& c : s.technique->counters()) r.counters.push_back(c);
+  if (s.full.result) r.counters.push_back({"reference_back_face_hits", static_cast<double>(s.full.result->backFaceHits)});
+  const WorkState work = s.held ? WorkState{} : s.technique->work();
+  r.technique.running = !s.workSettled();
+  r.technique.label = work.label;
+  r.technique.done = work.total ? static_cast<double>(work.done) / static_cast<double>(work.total) : 1.0;
+  if (r.technique.running && s.workUnitsTimed)
+    r.technique.secondsLeft = s.workMs / static_cast<double>(s.workUnitsTimed) * static_cast<double>(work.total - work.done) / 1000;
+  if (s.full.tracer) {
+    r.reference.label = "reference";
+    const double all = s.matched.tracer ? 2 : 1;
+    r.reference.done = (s.full.tracer->done() + (s.matched.tracer ? s.matched.tracer->done() : 0)) / all;
+    r.reference.running = s.referenceWanted && !s.referenceStopped && !referencesDone;
+    if (r.reference.running && r.reference.done > s.referenceStart + 1e-3)
+      r.reference.secondsLeft = s.referenceMs / 1000 * (1 - r.reference.done) / (r.reference.done - s.referenceStart);
+  }
+  r.errors = s.errors;
+  r.convergence = s.convergence;
+  r.settled = !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
+              (!s.referenceWanted || s.referenceStopped || referencesDone);
+  r.provenance = provenance();
+  r.message = s.message;
+  r.pick = s.pickReport;
+  r.scene = s.summary;
+  r.features = s.features;
+  r.triangles = s.scene->triangles();
+  if (s.atlas) r.atlas = s.atlas->report;
+  r.preset = preset();
+  return result;
+}
+
+std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {
+  Progress& p = progress ? *progress : *impl_->progress;
+  Impl& s = *impl_;
+  auto result = frame(&p);
+  // Units are numbered, so that giving them all the time at once changes the pace and nothing else.
+  while (!s.workSettled()) {
+    p.check();
+    s.runWork(1000, p);
+  }
+  p.check();
+  const double start = nowMs();
+  do {
+    p.check();
+    result = frame(&p);
+  } while (!result->settled || s.frameProfiler.frames() < kLeastTimedFrames ||
+           (s.frameProfiler.frames() < kTimedFrames && nowMs() - start < kTimingBudgetMs));
+  return result;
+}
+
+}  // namespace hl

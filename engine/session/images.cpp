@@ -1,0 +1,101 @@
+// Images of the last frame, linear or as shown.
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/session/session_impl.h"
+
+namespace hl {
+namespace {
+
+// False colours end at this quantile of the map, so that one bright pixel does not darken all others.
+constexpr double kErrorMapQuantile = 0.98;
+
+Image withoutAlpha(Image in) {
+  if (in.channels <= 3) return in;
+  Image out(in.width, in.height, 3);
+  for (size_t i = 0; i < in.pixels(); ++i) std::copy_n(&in.data[i * static_cast<size_t>(in.channels)], 3, &out.data[i * 3]);
+  return out;
+}
+
+}  // namespace
+
+Image Session::Impl::linearImage(const std::string& name) {
+  const Image none(gbuffer.width, gbuffer.height, 3);
+  if (name == "final") return withoutAlpha(device.download(finalImage));
+  if (name == "indirect" || name == "indirect_irradiance") {
+    Image irradiance = indirectImage ? withoutAlpha(device.download(indirectImage)) : none;
+    if (name == "indirect_irradiance") return irradiance;
+    const Image albedo = device.download(gbuffer.albedo);
+    for (size_t i = 0; i < irradiance.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) irradiance.data[i * 3 + c] *= albedo.data[i * 4 + c] / kPi;
+    return irradiance;
+  }
+  if (name == "direct") return withoutAlpha(device.download(directImage));
+  if (name == "albedo") return withoutAlpha(device.download(gbuffer.albedo));
+  if (name == "normal") return withoutAlpha(device.download(gbuffer.normal));
+  if (name == "position") return withoutAlpha(device.download(gbuffer.position));
+  if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
+  if (name == "reference_indirect" || name == "reference_direct") {
+    if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
+    return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(kAllBounces).mean;
+  }
+  if (name == "reference") {
+    Image direct = linearImage("reference_direct");
+    const Image indirect = linearImage("reference_indirect"), albedo = device.download(gbuffer.albedo);
+    const Image emission = device.download(gbuffer.emission), position = device.download(gbuffer.position);
+    for (size_t i = 0; i < direct.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const float e = direct.data[i * 3 + c] + indirect.data[i * 3 + c];
+        const bool surface = position.data[i * 4 + 3] != 0;
+        direct.data[i * 3 + c] = surface ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : scene->sky[static_cast<int>(c)];
+      }
+    return direct;
+  }
+  for (const DebugView& v : technique->debugViews())
+    if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission",
+                                    "reference", "reference_direct", "reference_indirect"};
+  for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
+  throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));
+}
+
+Image Session::image(const std::string& view) {
+  if (impl_->frameNumber == 0) throw badInput("image: no frame has been rendered yet");
+  return impl_->linearImage(view);
+}
+
+/// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.
+void Session::Impl::showHostView(FrameResult& result) {
+  const std::string& view = preset.display.view;
+  const bool error = view.rfind("error", 0) == 0, truth = view.rfind("reference", 0) == 0;
+  if (!error && !truth) return;
+  if (!full.result) {
+    if (result.message.empty()) result.message = "the reference has no picture yet";
+    return;
+  }
+  if (truth) {
+    result.display = toneMapOnHost(linearImage(view), preset.display);
+    return;
+  }
+  const Image position = device.download(gbuffer.position);
+  const Image irradiance = indirectImage ? device.download(indirectImage) : Image(position.width, position.height, 4);
+  Mask mask(position.pixels());
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
+  if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
+  const bool againstFull = view == "error_full";
+  const ReferenceRun& run = !againstFull && matched.result ? matched : full;
+  const int bounces = againstFull ? kAllBounces : technique->transport().bounces;
+  const Image map = measure("relmse", irradiance, run.result->indirectImage(bounces), mask, true).map;
+  std::vector<float> sorted;
+  for (const float v : map.data)
+    if (std::isfinite(v)) sorted.push_back(std::abs(v));
+  if (sorted.empty()) return;
+  const size_t at = static_cast<size_t>(kErrorMapQuantile * static_cast<double>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(at), sorted.end());
+  result.display = falseColour(map, std::max(sorted[at], 1e-12f));
+}
+
+}  // namespace hl

@@ -1,0 +1,192 @@
+// What takes longer than a frame: atlas, precomputation, bake, reference. In numbered units, between frames.
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "engine/core/hash.h"
+#include "engine/core/log.h"
+#include "engine/lightmap/inside.h"
+#include "engine/reference/receivers.h"
+#include "engine/session/session_impl.h"
+
+namespace hl {
+
+void Session::Impl::buildLightmap(Progress& progress) {
+  AtlasSettings settings;
+  settings.resolution = lightmap.resolution;
+  settings.uvOverlapTolerance = lightmap.uv_overlap_tolerance;
+  settings.margin = lightmap.margin;
+  const auto inside = [this](const std::vector<Lumel>& lumels, std::vector<uint8_t>& out) { findInside(*embree, lumels, out, pool); };
+  if (lightmap.texels > 0) {
+    // The side that gives the wanted number of valid texels, from the coverage found at a first guess.
+    settings.resolution = std::clamp(static_cast<int>(std::ceil(std::sqrt(lightmap.texels / 0.6))), 32, 4096);
+    for (int round = 0; round < 3; ++round) {
+      Atlas trial = buildAtlas(*scene, settings, pool, progress, inside);
+      const double ratio = lightmap.texels / std::max(1.0, static_cast<double>(trial.lumels.size()));
+      atlas = std::move(trial);
+      const int next = std::clamp(static_cast<int>(std::lround(settings.resolution * std::sqrt(ratio))), 32, 4096);
+      if (std::abs(ratio - 1) < 0.02 || next == settings.resolution) break;
+      settings.resolution = next;
+    }
+  } else {
+    atlas = buildAtlas(*scene, settings, pool, progress, inside);
+  }
+  cornerUvs = device.buffer("lightmap: corner uvs", std::span<const vec2>(atlas->cornerUvs));
+  atlasStale = false;
+  techniqueStale = true;
+  lightmapRun = {};
+}
+
+void Session::Impl::prepare(Progress& progress) {
+  if (!displayCounters) displayCounters = device.buffer("display: counters", 2 * sizeof(uint32_t));
+  const bool renderable = features.surfaces && features.anyLight();
+  if (!held && renderable) {
+    try {
+      if (technique->needs().lightmap && (atlasStale || !atlas)) buildLightmap(progress);
+      if (techniqueStale) {
+        device.waitIdle();
+        view.emplace(SceneView{*scene, features, gpuScene, *tracer, *directLight, pool,
+                               technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed});
+        Gpu gpu{device, shaders};
+        technique->rebuild(gpu, *view, progress);
+        techniqueStale = false;
+        resetWanted = true;
+        workStopped = false;
+      }
+    } catch (const Error& e) {
+      // The technique ends, not the program: direct light goes on, and restartWork() tries again.
+      if (e.kind() == ErrorKind::Device) throw;
+      held = true;
+      message = e.what();
+      if (e.kind() != ErrorKind::Cancelled) logError(message);
+    }
+  }
+  if (resetWanted) {
+    resetWanted = false;
+    if (!held && !techniqueStale) technique->reset();
+    directLight->reset();
+    frameSinceReset = 0;
+    msSinceReset = 0;
+    workMs = 0, workUnitsTimed = 0;
+    workStopped = false;
+    convergence.clear();
+    errors.clear();
+    lastMeasurementMs = -1e9;
+    measuredSettled = false;
+    const Transport t = technique->transport();
+    const std::string key = fmt::format("{} {} {}", t.bounces, t.frontFacesOnly, static_cast<int>(t.receiver));
+    if (key != transportKey) matched = {}, full = {}, transportKey = key;
+  }
+}
+
+bool Session::Impl::workSettled() const {
+  return held || techniqueStale || workStopped || !features.surfaces || !features.anyLight() || technique->work().settled();
+}
+
+void Session::Impl::runWork(double budgetMs, Progress& progress) {
+  const double start = nowMs();
+  measuredSettled = false;
+  do {
+    technique->recordWork(graph);
+    const BatchTimings t = graph.execute();
+    workProfiler.add(t);
+    workMs += t.wallMs;
+    msSinceReset += t.wallMs;
+    ++workUnitsTimed;
+    if (progress.cancelled()) {
+      workStopped = true;
+      return;
+    }
+  } while (!workSettled() && nowMs() - start < budgetMs);
+}
+
+bool Session::Impl::referenceShared() const {
+  const Transport t = technique->transport();
+  const bool sameSides = !t.frontFacesOnly || !features.twoSided;
+  const bool sameNormals = t.receiver == ReceiverNormal::Mapped || (!features.normalMaps && !smoothNormals);
+  return sameSides && sameNormals;
+}
+
+ReferenceSettings Session::Impl::referenceSettings(bool matchedPaths) const {
+  ReferenceSettings r;
+  r.samplesPerPixel = reference.samples;
+  r.seed = static_cast<uint64_t>(reference.seed);
+  r.directSamples = reference.direct_samples;
+  if (matchedPaths) {
+    const Transport t = technique->transport();
+    r.frontFacesOnly = t.frontFacesOnly;
+    r.receiver = t.receiver;
+  }
+  return r;
+}
+
+void Session::Impl::startReferences() {
+  const std::vector<Receiver> receivers = receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal),
+                                                               device.download(gbuffer.geometricNormal));
+  const auto start = [&](ReferenceRun& run, bool matchedPaths) {
+    run.tracer = std::make_unique<ReferenceTracer>(embree, receivers, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
+    run.tracer->resume();
+    run.result = run.tracer->result();
+  };
+  start(full, false);
+  matched = {};
+  if (!referenceShared()) start(matched, true);
+  referenceMs = 0;
+  referenceStart = full.tracer->done();
+}
+
+bool Session::Impl::referencesSettled() const {
+  return full.tracer && full.tracer->settled() && (!matched.tracer || matched.tracer->settled());
+}
+
+void Session::Impl::runReference(double budgetMs, Progress& progress) {
+  const double start = nowMs();
+  while (!referencesSettled() && nowMs() - start < budgetMs) {
+    // The two advance together, so that both have something to show early.
+    ReferenceRun& run = !matched.tracer || full.tracer->done() <= matched.tracer->done() ? (full.tracer->settled() ? matched : full) : matched;
+    run.tracer->advance(progress);
+    const auto result = run.tracer->result();
+    const bool finished = run.tracer->settled();
+    run.result = result;
+    if (finished) run.tracer->store();
+    measuredSettled = false;
+  }
+  referenceMs += nowMs() - start;
+}
+
+std::shared_ptr<const ReferenceResult> Session::currentReference() const { return impl_->full.result; }
+
+std::shared_ptr<const ReferenceResult> Session::reference(const std::string& target, Progress* progress) {
+  Impl& s = *impl_;
+  Progress& p = progress ? *progress : *impl_->progress;
+  if (target != "image" && target != "lightmap") throw badInput(fmt::format("reference target '{}': it is image or lightmap", target));
+  if (s.frameNumber == 0 || s.resetWanted) frame(&p);
+  if (target == "image") {
+    if (!s.full.tracer) s.startReferences();
+    p.begin("reference", 1000);
+    while (!s.referencesSettled()) {
+      p.check();
+      const double before = s.full.tracer->done();
+      s.runReference(200, p);
+      p.advance(static_cast<uint64_t>(1000 * (s.full.tracer->done() - before)));
+    }
+    return s.full.result;
+  }
+  if (!s.atlas)
+    throw badInput(fmt::format("technique '{}' has no lightmap, so there is no lightmap reference", s.preset.technique));
+  ReferenceRun& run = s.lightmapRun;
+  if (!run.tracer) {
+    run.tracer = std::make_unique<ReferenceTracer>(s.embree, receiversFromLumels(s.atlas->lumels, s.scene->bounds),
+                                                   static_cast<int>(s.atlas->lumels.size()), 1, s.referenceSettings(true), s.pool);
+    run.tracer->resume();
+  }
+  while (!run.tracer->settled()) {
+    p.check();
+    run.tracer->advance(p);
+  }
+  run.tracer->store();
+  run.result = run.tracer->result();
+  return run.result;
+}
+
+}  // namespace hl

@@ -1,0 +1,116 @@
+#pragma once
+// What a Session holds. Seen by the session's own files alone.
+#include <chrono>
+#include <map>
+#include <optional>
+
+#include "engine/core/task_pool.h"
+#include "engine/params/groups.h"
+#include "engine/passes/direct_light.h"
+#include "engine/passes/display.h"
+#include "engine/passes/gbuffer.h"
+#include "engine/session/session.h"
+#include "engine/trace/embree_scene.h"
+
+namespace hl {
+
+/// A reference that is being traced, or is done: against all light paths, or limited to those the technique models.
+struct ReferenceRun {
+  std::unique_ptr<ReferenceTracer> tracer;
+  std::shared_ptr<const ReferenceResult> result;  ///< of the last whole pass
+  std::string key;                                ///< of the settings and receivers it was started with
+};
+
+struct Session::Impl {
+  explicit Impl(const SessionOptions&);
+
+  SessionOptions options;
+  std::shared_ptr<Progress> progress = std::make_shared<Progress>();
+  Device device;
+  ShaderLibrary shaders;
+  TaskPool pool;
+  FrameGraph graph;
+
+  // The scene and what is derived from it. Order matters: later members refer to earlier ones.
+  std::shared_ptr<Scene> scene;
+  std::shared_ptr<const Scene> summary;  ///< published with results
+  SceneFeatures features;
+  std::string transportKey;               ///< of the paths the matched reference was limited to
+  bool smoothNormals = false;            ///< some vertex normal differs from its triangle's: mapped and geometric receivers differ
+  std::shared_ptr<const EmbreeScene> embree;
+  GpuScene gpuScene;
+  std::unique_ptr<Tracer> tracer;
+  std::unique_ptr<DirectLight> directLight;
+  std::optional<Atlas> atlas;
+  Buffer cornerUvs;
+
+  Preset preset;  ///< scene, camera, resolution, seed, technique, display; parameters live in the groups below
+  LightmapParams lightmap;
+  DirectParams direct;
+  ReferenceParams reference;
+  std::unique_ptr<Technique> technique;
+  std::optional<SceneView> view;
+  ParamSet params;
+  std::map<std::string, std::map<std::string, std::string>> otherTechniques;  ///< parameters of techniques that are not shown now
+
+  bool atlasStale = true, techniqueStale = true, resetWanted = true;
+  bool held = false;           ///< a rebuild was cancelled or failed: frames go on without indirect light until restartWork()
+  bool workStopped = false, workPaused = false, referenceWanted = false, referenceStopped = false;
+  bool serialisedTiming = false;
+  std::string message;
+
+  uint64_t frameNumber = 0;
+  uint32_t frameSinceReset = 0;
+  double msSinceReset = 0;
+  Profiler frameProfiler, workProfiler;
+  BatchTimings lastTimings;
+  double workMs = 0;           ///< in the current bake, for the time left
+  uint64_t workUnitsTimed = 0;
+  double referenceMs = 0, referenceStart = 0;
+
+  GBuffer gbuffer;
+  GpuImage directImage, indirectImage, finalImage, displayImage;
+  Buffer displayCounters;
+  uint32_t nonFinite = 0, negative = 0;
+  std::optional<std::pair<int, int>> pickPixel;
+  PickReport pickReport;
+
+  ReferenceRun full, matched, lightmapRun;
+  std::vector<ErrorValue> errors;
+  std::vector<ConvergencePoint> convergence;
+  double lastMeasurementMs = -1e9;
+  bool measuredSettled = false;  ///< the errors are those of the settled state
+
+  // edits.cpp
+  void install(std::shared_ptr<Scene>, Progress&);
+  void makeTechnique(const std::string& id);
+  void collectParams();
+  void want(Effect);
+  void lightsChanged();
+  void referenceStale();
+  void cameraChanged();
+  std::map<std::string, std::string> changedParams() const;
+  Camera camera() const;
+  float sliceMs();
+
+  // long_work.cpp
+  void prepare(Progress&);
+  void buildLightmap(Progress&);
+  void runWork(double budgetMs, Progress&);
+  void runReference(double budgetMs, Progress&);
+  bool workSettled() const;
+  bool referencesSettled() const;
+  void startReferences();
+  bool referenceShared() const;  ///< full and matched differ in the number of bounces alone
+  ReferenceSettings referenceSettings(bool matchedPaths) const;
+
+  // images.cpp
+  void showHostView(FrameResult&);
+  Image linearImage(const std::string& view);
+};
+
+inline double nowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace hl

@@ -1,0 +1,187 @@
+#include "engine/session/session_thread.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "engine/core/log.h"
+
+namespace hl {
+namespace {
+
+// A settled session still renders this many frames, so that pass times are medians; then it sleeps until an edit comes.
+constexpr uint64_t kFramesForTiming = 40;
+constexpr int kWorkerNice = 10;
+
+struct Edit {
+  std::string key;
+  std::function<void(Session&)> apply;
+};
+
+}  // namespace
+
+struct SessionThread::Impl {
+  SessionOptions options;
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  std::deque<Edit> edits;
+  std::shared_ptr<const FrameResult> latest;
+  std::shared_ptr<Progress> progress = std::make_shared<Progress>();
+  std::function<void()> onFrame;
+  std::function<void(const Error&)> onError;
+  bool stop = false, started = false, visible = true, paused = false, cancelWanted = false;
+  std::thread thread;
+
+  void fail(const Error& error) {
+    std::function<void(const Error&)> callback;
+    {
+      const std::lock_guard lock(mutex);
+      callback = onError;
+    }
+    if (callback) callback(error);
+  }
+
+  void run();
+  bool drain(Session&);
+};
+
+/// Applies the waiting edits. A fresh Progress each round: a cancel stops what ran when it came, and nothing after it.
+bool SessionThread::Impl::drain(Session& session) {
+  std::deque<Edit> taken;
+  bool cancelled = false;
+  std::shared_ptr<Progress> current;
+  {
+    const std::lock_guard lock(mutex);
+    taken.swap(edits);
+    cancelled = std::exchange(cancelWanted, false);
+    if (cancelled || progress->cancelled()) progress = std::make_shared<Progress>();
+    current = progress;
+  }
+  session.useProgress(current);
+  if (cancelled) session.cancelWork();
+  for (const Edit& edit : taken) {
+    try {
+      edit.apply(session);
+    } catch (const Error& e) {
+      fail(e);
+    }
+  }
+  return cancelled || !taken.empty();
+}
+
+void SessionThread::Impl::run() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kWorkerNice);  // this thread alone
+  std::unique_ptr<Session> session;
+  try {
+    session = std::make_unique<Session>(options);
+  } catch (const Error& e) {
+    fail(e);
+    return;
+  }
+  uint64_t idleFrames = 0;
+  while (true) {
+    const bool edited = drain(*session);
+    if (edited) idleFrames = 0;
+    bool render = false;
+    std::shared_ptr<Progress> current;
+    {
+      std::unique_lock lock(mutex);
+      const auto mayRun = [&] { return started && !paused && visible && idleFrames < kFramesForTiming; };
+      wake.wait(lock, [&] { return stop || cancelWanted || !edits.empty() || mayRun(); });
+      if (stop) break;
+      render = edits.empty() && !cancelWanted;
+      current = progress;
+    }
+    if (!render) continue;
+    try {
+      auto result = session->frame(current.get());
+      idleFrames = result->settled ? idleFrames + 1 : 0;
+      std::function<void()> callback;
+      {
+        const std::lock_guard lock(mutex);
+        latest = std::move(result);
+        callback = onFrame;
+      }
+      if (callback) callback();
+    } catch (const Error& e) {
+      fail(e);
+      if (e.kind() == ErrorKind::Device) return;  // the device is gone: the owner makes a new SessionThread
+      idleFrames = kFramesForTiming;              // wait for an edit rather than fail in a loop
+    }
+  }
+}
+
+SessionThread::SessionThread(const SessionOptions& options) : impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+  impl_->thread = std::thread([this] { impl_->run(); });
+}
+
+SessionThread::~SessionThread() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->stop = true;
+    impl_->progress->cancel();
+  }
+  impl_->wake.notify_all();
+  impl_->thread.join();
+}
+
+void SessionThread::post(std::function<void(Session&)> edit, const std::string& key) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    bool replaced = false;
+    impl_->started = true;
+    if (!key.empty())
+      for (Edit& waiting : impl_->edits)
+        if (waiting.key == key) waiting.apply = edit, replaced = true;
+    if (!replaced) impl_->edits.push_back({key, std::move(edit)});
+  }
+  impl_->wake.notify_all();
+}
+
+void SessionThread::cancel() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->cancelWanted = true;
+    impl_->progress->cancel();
+  }
+  impl_->wake.notify_all();
+}
+
+std::shared_ptr<const FrameResult> SessionThread::latest() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->latest;
+}
+
+std::shared_ptr<const Progress> SessionThread::progress() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->progress;
+}
+
+void SessionThread::setCallbacks(std::function<void()> onFrame, std::function<void(const Error&)> onError) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->onFrame = std::move(onFrame);
+  impl_->onError = std::move(onError);
+}
+
+void SessionThread::setVisible(bool visible) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->visible = visible;
+  }
+  impl_->wake.notify_all();
+}
+
+void SessionThread::setPaused(bool paused) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->paused = paused;
+  }
+  impl_->wake.notify_all();
+}
+
+}  // namespace hl
