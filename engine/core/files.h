@@ -14,6 +14,11 @@ std::string readFile(const std::filesystem::path& file);
 /// Temporary file beside it, fsync, rename. @throws Error(Run) with the system's reason.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes);
 
+/// The two halves of the above, for writers that need a file's name: a fresh name beside `file` with its extension, and fsync and rename
+/// of what was written there. @throws Error(Run), with the temporary file removed.
+std::filesystem::path temporaryBeside(const std::filesystem::path& file);
+void moveIntoPlace(const std::filesystem::path& temporary, const std::filesystem::path& file);
+
 /// The folder that holds shaders/, scenes/ and presets/: HALFLIGHT_HOME where set, else the source tree the program was built from,
 /// else beside the executable.
 std::filesystem::path homeFolder();
