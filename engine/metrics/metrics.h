@@ -1,6 +1,6 @@
 #pragma once
 // Error metrics (MEASURES.md section 3): pure functions from images to a value and a map.
-#include <optional>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,12 +11,14 @@
 namespace hl {
 
 struct MetricResult {
-  double value = 0;
+  double value = 0;           ///< NaN where a pixel that counts is not finite; psnr of equal images is +infinity
   double noiseFloor = 0;      ///< the reference's own variance in the metric's unit; 0 where it does not apply
-  double standardError = 0;   ///< of `value`, over blocks of pixels
+  double standardError = 0;   ///< of `value`, over blocks of pixels; infinite where one pixel alone counts
   uint64_t pixels = 0;        ///< that counted
-  uint64_t nonFinite = 0;     ///< pixels with NaN or Inf in either image: any fails the comparison
-  Image map;                  ///< one channel, per pixel; empty unless asked for
+  uint64_t nonFinite = 0;     ///< pixels that count with NaN or Inf in either image: any fails the comparison
+  double epsilon = 0;         ///< as used by relmse and smape
+  double peak = 0;            ///< as used by psnr: the reference's largest value, 1 where that is not positive
+  Image map;                  ///< one channel, per pixel, 0 where a pixel does not count; empty unless asked for
 };
 
 /// A reference as one image, or as two independent half-budget images whose mean it is.
@@ -31,9 +33,28 @@ struct MetricInfo {
 };
 std::span<const MetricInfo> metricInfos();
 
-/// RGB images (further channels are ignored) of equal size. `epsilon` <= 0: 0.01 times the reference's mean luminance.
-/// @throws Error(BadInput) for an unknown id (nearest named), unequal sizes, a mask of the wrong size or an empty mask.
+/// What counts, and how much.
+struct MeasureOptions {
+  Mask mask;                   ///< empty: every pixel
+  std::vector<float> weights;  ///< a pixel's share, at least 0 (a texel's area); empty: all equal
+  bool wantMap = false;
+  double epsilon = 0;          ///< <= 0: 0.01 times the reference's mean luminance over the pixels that count
+};
+
+/// RGB images (further channels are ignored; with fewer than three, those there are) of equal size. A term is taken per channel, a pixel's
+/// is the mean of its channels', and the metric is (a function of) the mean over the pixels that count. Where halves A and B are given, the
+/// square (v-r)^2 of a squared metric is (v-A)(v-B): its mean is free of the reference's variance, single values may be negative, and the
+/// floor is the same mean with (A-B)^2/4 instead. Denominators use the mean image. 0/0 is 0.
+/// @throws Error(BadInput) for an unknown id (nearest named), unequal sizes, a mask or weights of the wrong size, or where no pixel counts.
+MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const MeasureOptions& options);
 MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const Mask& mask = {}, bool wantMap = false,
                      double epsilon = 0);
+
+/// Pixels, from the top left corner.
+struct PixelRectangle {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+/// `base` (empty: everything) inside the rectangle, 0 outside. @throws Error(BadInput) where the rectangle reaches beyond the image or is empty.
+Mask rectangleMask(int width, int height, const PixelRectangle& rectangle, const Mask& base = {});
 
 }  // namespace hl

@@ -1,0 +1,32 @@
+#include <cmath>
+#include <limits>
+
+#include "engine/metrics/definition.h"
+
+namespace hl {
+
+namespace {
+
+double decibels(double meanSquare, double peak) {
+  if (meanSquare <= 0) return std::numeric_limits<double>::infinity();
+  return 10 * std::log10(peak * peak / meanSquare);
+}
+
+void finish(MetricResult& result, const ReferenceStatistics& s) {
+  const double meanSquare = result.value;
+  result.value = decibels(meanSquare, s.peak);
+  // What the reference's noise alone would give. Without halves it is unknown, which is said as 0.
+  result.noiseFloor = result.noiseFloor > 0 ? decibels(result.noiseFloor, s.peak) : 0;
+  if (result.standardError > 0) result.standardError *= 10 / (std::log(10.0) * std::fabs(meanSquare));
+}
+
+}  // namespace
+
+const MetricDefinition kPsnr{
+    .info = {"psnr", "PSNR [dB]", "10 log10(peak^2 / mean (v-r)^2); peak = largest value of r", true},
+    .term = [](const ChannelSample& c, const ReferenceStatistics&) { return c.squaredError(); },
+    .floor = [](const ChannelSample& c, const ReferenceStatistics&) { return c.referenceVariance(); },
+    .finish = finish,
+};
+
+}  // namespace hl
