@@ -1,10 +1,9 @@
-// No include guard: included once for each group of parameters, with HL_PARAM_LIST naming its list file. Produces, in namespace hl, from the
-// list's PARAM_GROUP_BEGIN(group, Struct) and the lines after it:
+// No include guard: included once for each group of parameters, with HL_PARAM_LIST naming its list file. Produces, in
+// namespace hl, from the list's PARAM_GROUP_BEGIN(group, Struct) and the lines after it:
 //
 //   enum Type : int32_t { constants };             for each PARAM_ENUM_BEGIN(Type)
-//   struct Struct { members with their defaults }; every member 4 bytes (bools and enums are int32_t): the GLSL block's scalar layout
-//   std::span<const ParamInfo> groupParamInfos();
-//   ParamView groupView(Struct&);
+//   struct Struct { members with their defaults }; every member 4 bytes (bools and enums are int32_t): the GLSL block's
+//   scalar layout std::span<const ParamInfo> groupParamInfos(); ParamView groupView(Struct&);
 //
 // The pattern, the macros' arguments and a complete example are in README.md beside this file.
 #include <cstddef>
@@ -94,42 +93,44 @@ namespace hl {
 #undef PARAM_GROUP_END
 
 // 5. Its table.
-#define PARAM_GROUP_BEGIN(group, Struct)         \
-  namespace param_declarations::group##_group {  \
-  using Values = Struct;                         \
-  inline constexpr const char kGroup[] = #group; \
-  inline constexpr ParamInfo kInfos[] = {
-#define PARAM_INT(name, def, min, max, softMin, softMax, scale, effect, unit, help)           \
-  ParamInfo{kGroup,  #name, ParamType::Int, def, min, max, softMin, softMax, ParamScale::scale, Effect::effect, unit, \
-            help, {},    offsetof(Values, name)},
-#define PARAM_FLOAT(name, def, min, max, softMin, softMax, scale, effect, unit, help)           \
-  ParamInfo{kGroup,  #name, ParamType::Float, def, min, max, softMin, softMax, ParamScale::scale, Effect::effect, unit, \
-            help, {},    offsetof(Values, name)},
-#define PARAM_BOOL(name, def, effect, help)                                                                          \
-  ParamInfo{kGroup, #name, ParamType::Bool, def, 0, 1, 0, 1, ParamScale::Linear, Effect::effect, "", help, {}, \
+#define PARAM_GROUP_BEGIN(group, Struct)           \
+  namespace param_declarations::group##_group {    \
+    using Values = Struct;                         \
+    inline constexpr const char kGroup[] = #group; \
+    inline constexpr ParamInfo kInfos[] = {
+#define PARAM_INT(name, def, min, max, softMin, softMax, scale, effect, unit, help)                                   \
+  ParamInfo{                                                                                                          \
+      kGroup, #name, ParamType::Int,        def, min, max, softMin, softMax, ParamScale::scale, Effect::effect, unit, \
+      help,   {},    offsetof(Values, name)},
+#define PARAM_FLOAT(name, def, min, max, softMin, softMax, scale, effect, unit, help)                                 \
+  ParamInfo{                                                                                                          \
+      kGroup, #name, ParamType::Float,      def, min, max, softMin, softMax, ParamScale::scale, Effect::effect, unit, \
+      help,   {},    offsetof(Values, name)},
+#define PARAM_BOOL(name, def, effect, help)                                                                \
+  ParamInfo{kGroup, #name, ParamType::Bool,       def, 0, 1, 0, 1, ParamScale::Linear, Effect::effect, "", \
+            help,   {},    offsetof(Values, name)},
+#define PARAM_ENUM(name, Type, def, effect, help)                \
+  ParamInfo{kGroup,                                              \
+            #name,                                               \
+            ParamType::Enum,                                     \
+            def,                                                 \
+            0,                                                   \
+            static_cast<double>(std::size(k##Type##Values) - 1), \
+            0,                                                   \
+            static_cast<double>(std::size(k##Type##Values) - 1), \
+            ParamScale::Linear,                                  \
+            Effect::effect,                                      \
+            "",                                                  \
+            help,                                                \
+            k##Type##Values,                                     \
             offsetof(Values, name)},
-#define PARAM_ENUM(name, Type, def, effect, help)                       \
-  ParamInfo{kGroup,                                                     \
-            #name,                                                      \
-            ParamType::Enum,                                            \
-            def,                                                        \
-            0,                                                          \
-            static_cast<double>(std::size(k##Type##Values) - 1),        \
-            0,                                                          \
-            static_cast<double>(std::size(k##Type##Values) - 1),        \
-            ParamScale::Linear,                                         \
-            Effect::effect,                                             \
-            "",                                                         \
-            help,                                                       \
-            k##Type##Values,                                            \
-            offsetof(Values, name)},
-#define PARAM_GROUP_END(group, Struct)                                                                       \
-  }                                                                                                          \
-  ;                                                                                                          \
-  static_assert(sizeof(Values) == 4 * std::size(kInfos));                                                    \
-  static_assert(rangesMakeSense(kInfos),                                                                     \
+#define PARAM_GROUP_END(group, Struct)                                                                        \
+  }                                                                                                           \
+  ;                                                                                                           \
+  static_assert(sizeof(Values) == 4 * std::size(kInfos));                                                     \
+  static_assert(rangesMakeSense(kInfos),                                                                      \
                 "In " #Struct " a default or a soft range lies outside its range, or a log scale reaches 0"); \
-  }                                                                                                          \
+  }                                                                                                           \
   inline std::span<const ParamInfo> group##ParamInfos() { return param_declarations::group##_group::kInfos; } \
   inline ParamView group##View(Struct& values) { return ParamView(group##ParamInfos(), &values); }
 #include HL_PARAM_LIST

@@ -1,5 +1,7 @@
 #include "engine/params/param.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -18,14 +20,19 @@ std::string shortest(T v) {
   return std::string(text, end.ptr);
 }
 
+}  // namespace
+
 /// Ranges are declared as double literals of what are mostly float values: 0.001 and not 0.0010000000474974513.
 std::string rangeText(const ParamInfo& p) {
   const bool whole = p.type == ParamType::Int;
-  const auto number = [&](double v) { return whole ? shortest(static_cast<int64_t>(v)) : shortest(static_cast<float>(v)); };
-  std::string text = "[" + number(p.min) + ", " + number(p.max) + "]";
-  if (!p.unit.empty()) text += " " + std::string(p.unit);
-  return text;
+  const auto number = [&](double v) {
+    return whole ? shortest(static_cast<int64_t>(v)) : shortest(static_cast<float>(v));
+  };
+  const std::string unit = p.unit.empty() ? "" : fmt::format(" {}", p.unit);
+  return fmt::format("[{}, {}]{}", number(p.min), number(p.max), unit);
 }
+
+namespace {
 
 std::vector<std::string> valueNames(const ParamInfo& p) {
   std::vector<std::string> names;
@@ -33,14 +40,8 @@ std::vector<std::string> valueNames(const ParamInfo& p) {
   return names;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "" : ", ") + n;
-  return text;
-}
-
 Error refused(const ParamInfo& p, const std::string& value, const std::string& why) {
-  return badInput(p.key() + " = " + value + ": " + why);
+  return badInput(fmt::format("{} = {}: {}", p.key(), value, why));
 }
 
 void checkRange(const ParamInfo& p, double v, const std::string& text) {
@@ -48,7 +49,7 @@ void checkRange(const ParamInfo& p, double v, const std::string& text) {
   const bool real = p.type == ParamType::Float;
   const double low = real ? static_cast<double>(static_cast<float>(p.min)) : p.min;
   const double high = real ? static_cast<double>(static_cast<float>(p.max)) : p.max;
-  if (v < low || v > high) throw refused(p, text, "out of range " + rangeText(p));
+  if (v < low || v > high) throw refused(p, text, fmt::format("out of range {}", rangeText(p)));
 }
 
 template <class T>
@@ -76,7 +77,8 @@ void ParamView::set(const ParamInfo& p, ParamValue value) {
   if (p.type == ParamType::Float) {
     const float* v = std::get_if<float>(&value);
     const float real = v ? *v : static_cast<float>(std::get<int32_t>(value));
-    if (!std::isfinite(real)) throw refused(p, shortest(real), "not a finite number; the range is " + rangeText(p));
+    if (!std::isfinite(real))
+      throw refused(p, shortest(real), fmt::format("not a finite number; the range is {}", rangeText(p)));
     checkRange(p, real, shortest(real));
     std::memcpy(at, &real, sizeof real);
     return;
@@ -84,20 +86,21 @@ void ParamView::set(const ParamInfo& p, ParamValue value) {
   const int32_t* v = std::get_if<int32_t>(&value);
   if (!v) throw refused(p, shortest(std::get<float>(value)), "a whole number is wanted");
   if (p.type == ParamType::Enum && (*v < 0 || *v >= static_cast<int32_t>(p.values.size())))
-    throw refused(p, shortest(*v), "not the number of one of its values: " + joined(valueNames(p)));
+    throw refused(p, shortest(*v),
+                  fmt::format("not the number of one of its values: {}", fmt::join(valueNames(p), ", ")));
   checkRange(p, *v, shortest(*v));
   std::memcpy(at, v, sizeof *v);
 }
 
-ParamValue ParamView::defaultOf(const ParamInfo& p) const {
+ParamValue defaultValue(const ParamInfo& p) {
   if (p.type == ParamType::Float) return static_cast<float>(p.def);
   return static_cast<int32_t>(p.def);
 }
 
-bool ParamView::isDefault(const ParamInfo& p) const { return get(p) == defaultOf(p); }
+bool ParamView::isDefault(const ParamInfo& p) const { return get(p) == defaultValue(p); }
 
 void ParamView::reset() {
-  for (const ParamInfo& p : infos_) set(p, defaultOf(p));
+  for (const ParamInfo& p : infos_) set(p, defaultValue(p));
 }
 
 ParamValue parseParam(const ParamInfo& p, std::string_view text) {
@@ -109,32 +112,40 @@ ParamValue parseParam(const ParamInfo& p, std::string_view text) {
       throw refused(p, shown, "true or false is wanted");
     case ParamType::Int: {
       int64_t v = 0;
-      if (!parseWhole(text, v)) throw refused(p, shown, "not a whole number; the range is " + rangeText(p));
+      if (!parseWhole(text, v))
+        throw refused(p, shown, fmt::format("not a whole number; the range is {}", rangeText(p)));
       checkRange(p, static_cast<double>(v), shown);
       return static_cast<int32_t>(v);
     }
     case ParamType::Float: {
       float v = 0;
-      if (!parseWhole(text, v)) throw refused(p, shown, "not a number; the range is " + rangeText(p));
-      if (!std::isfinite(v)) throw refused(p, shown, "not a finite number; the range is " + rangeText(p));
+      if (!parseWhole(text, v)) throw refused(p, shown, fmt::format("not a number; the range is {}", rangeText(p)));
+      if (!std::isfinite(v)) throw refused(p, shown, fmt::format("not a finite number; the range is {}", rangeText(p)));
       checkRange(p, v, shown);
       return v;
     }
-    case ParamType::Enum: break;
+    case ParamType::Enum:
+      break;
   }
   for (size_t i = 0; i < p.values.size(); ++i)
     if (p.values[i].name == text) return static_cast<int32_t>(i);
   const std::vector<std::string> names = valueNames(p);
   const std::string near = nearest(std::string(text), names);
-  throw refused(p, shown, "not one of " + joined(names) + (near.empty() ? "" : "; did you mean " + near + "?"));
+  throw refused(p, shown,
+                fmt::format("not one of {}{}", fmt::join(names, ", "),
+                            near.empty() ? "" : fmt::format("; did you mean {}?", near)));
 }
 
 std::string formatParam(const ParamInfo& p, ParamValue value) {
   switch (p.type) {
-    case ParamType::Bool: return std::get<int32_t>(value) ? "true" : "false";
-    case ParamType::Int: return shortest(std::get<int32_t>(value));
-    case ParamType::Float: return shortest(std::get<float>(value));
-    case ParamType::Enum: break;
+    case ParamType::Bool:
+      return std::get<int32_t>(value) ? "true" : "false";
+    case ParamType::Int:
+      return shortest(std::get<int32_t>(value));
+    case ParamType::Float:
+      return shortest(std::get<float>(value));
+    case ParamType::Enum:
+      break;
   }
   return std::string(p.values[static_cast<size_t>(std::get<int32_t>(value))].name);
 }
@@ -149,8 +160,9 @@ ParamSet::Found ParamSet::find(std::string_view key) {
       if (known.back() == key) return {&view, &p};
     }
   const std::string near = nearest(std::string(key), known);
-  throw badInput("unknown parameter \"" + std::string(key) + "\"" +
-                 (near.empty() ? "; `halflight-cli list params` shows them all" : "; did you mean " + near + "?"));
+  throw badInput(fmt::format("unknown parameter \"{}\"; {}", key,
+                             near.empty() ? std::string("`halflight-cli list params` shows them all")
+                                          : fmt::format("did you mean {}?", near)));
 }
 
 bool ParamSet::contains(std::string_view key) const {

@@ -1,5 +1,6 @@
 #pragma once
-// A parameter is declared once, in a list file (params.inl) that C++ and GLSL include; everything else is derived from these tables.
+// A parameter is declared once, in a list file (params.inl) that C++ and GLSL include; everything else is derived from
+// these tables.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -11,7 +12,8 @@ namespace hl {
 
 enum class ParamType { Bool, Int, Float, Enum };
 enum class ParamScale { Linear, Log };
-/// What a change costs: shown next frame; histories start again; allocation or precomputation starts again. Ordered by strength.
+/// What a change costs: shown next frame; histories start again; allocation or precomputation starts again. Ordered by
+/// strength.
 enum class Effect { Live, Reset, Rebuild };
 
 struct EnumValue {
@@ -29,7 +31,7 @@ struct ParamInfo {
   Effect effect = Effect::Live;
   std::string_view unit, help;
   std::span<const EnumValue> values;  ///< enums only
-  uint32_t offset = 0;                ///< in the group's struct, which is the GLSL block's scalar layout (every member 4 bytes)
+  uint32_t offset = 0;  ///< in the group's struct, which is the GLSL block's scalar layout (every member 4 bytes)
   std::string key() const { return std::string(group) + "." + std::string(name); }
 };
 
@@ -42,7 +44,8 @@ constexpr bool countsUpFromZero(std::span<const int32_t> numbers) {
 }
 constexpr bool rangesMakeSense(std::span<const ParamInfo> infos) {
   for (const ParamInfo& p : infos) {
-    if (!(p.min <= p.def && p.def <= p.max && p.min <= p.softMin && p.softMin <= p.softMax && p.softMax <= p.max)) return false;
+    if (!(p.min <= p.def && p.def <= p.max && p.min <= p.softMin && p.softMin <= p.softMax && p.softMax <= p.max))
+      return false;
     if (p.scale == ParamScale::Log && !(p.softMin > 0)) return false;  // a log slider cannot start at 0
   }
   return true;
@@ -59,7 +62,6 @@ class ParamView {
   /// @throws Error(BadInput) naming key, value and range.
   void set(const ParamInfo&, ParamValue);
   void reset();
-  ParamValue defaultOf(const ParamInfo&) const;
   bool isDefault(const ParamInfo&) const;
   const void* data() const { return data_; }
 
@@ -68,7 +70,11 @@ class ParamView {
   void* data_ = nullptr;
 };
 
-/// Text as in `--set` and in the panel ("0.5", "true", "low_discrepancy"). @throws Error(BadInput) naming key, value, and range or values.
+ParamValue defaultValue(const ParamInfo&);
+/// "[1, 4096] rays", for messages and tables.
+std::string rangeText(const ParamInfo&);
+/// Text as in `--set` and in the panel ("0.5", "true", "low_discrepancy"). @throws Error(BadInput) naming key, value,
+/// and range or values.
 ParamValue parseParam(const ParamInfo&, std::string_view text);
 std::string formatParam(const ParamInfo&, ParamValue);
 
