@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ struct EmbreeScene::Impl {
   FilterData filter;
   Progress* progress = nullptr;  ///< while the tree is built
   std::string firstError;
+
+  std::atomic<int64_t> embreeBytes{0};
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -111,6 +114,13 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
         if (auto& e = *static_cast<std::string*>(user); e.empty()) e = text;
       },
       &im.firstError);
+  rtcSetDeviceMemoryMonitorFunction(
+      im.device,
+      [](void* user, ssize_t bytes, bool) {
+        *static_cast<std::atomic<int64_t>*>(user) += bytes;
+        return true;
+      },
+      &im.embreeBytes);
   im.scene = rtcNewScene(im.device);
   rtcSetSceneFlags(im.scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(im.scene, RTC_BUILD_QUALITY_HIGH);
@@ -151,6 +161,13 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
 }
 
 EmbreeScene::~EmbreeScene() = default;
+
+uint64_t EmbreeScene::bytes() const {
+  uint64_t sum = static_cast<uint64_t>(impl_->embreeBytes.load()) + impl_->positions.size() * sizeof(float);
+  for (const auto& t : impl_->triangles) sum += t.size() * sizeof(uint32_t);
+  for (const auto& i : impl_->indices) sum += i.size() * sizeof(uvec3);
+  return sum;
+}
 
 shared::Hit EmbreeScene::closest(const shared::Ray& r) const {
   if (!active(r)) return kMissed;

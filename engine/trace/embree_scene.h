@@ -24,6 +24,7 @@ class EmbreeScene {
   void closest(std::span<const shared::Ray>, std::span<shared::Hit>) const;
   void occluded(std::span<const shared::Ray>, std::span<uint32_t>) const;
   const Scene& scene() const { return scene_; }
+  uint64_t bytes() const;  ///< what Embree and this hold
 
  private:
   const Scene& scene_;

@@ -32,7 +32,7 @@ struct TracerListing {
 };
 std::vector<TracerListing> listTracers(const Device&);
 /// `id` "auto": embree on a CPU device, else bvh (until `pipeline` exists). `embree` may be shared with the reference.
-/// @throws Error(BadInput) for an unknown or unavailable id, with those that are.
+/// Scene and GpuScene must outlive the tracer. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<const EmbreeScene> embree,
                                    TaskPool&, Progress* = nullptr);
 

@@ -1,0 +1,48 @@
+#include "engine/trace/tracer.h"
+
+#include "engine/core/error.h"
+#include "engine/trace/backends.h"
+
+namespace hl {
+namespace {
+
+std::string available(const Device& device) {
+  std::string ids;
+  for (const TracerListing& t : listTracers(device))
+    if (t.available) ids += (ids.empty() ? "" : ", ") + t.id;
+  return ids;
+}
+
+void checkSize(const std::string& pass, const Buffer& buffer, uint64_t needed) {
+  if (!buffer || buffer.size() < needed)
+    throw badInput(pass + ": buffer " +
+                   (buffer ? buffer.name() + " has " + std::to_string(buffer.size()) : std::string("(none) has 0")) +
+                   " bytes, the batch takes " + std::to_string(needed));
+}
+
+}  // namespace
+
+void checkBatch(const std::string& pass, const Buffer& rays, const Buffer& out, uint32_t count, Query query) {
+  if (count == 0) return;
+  checkSize(pass, rays, uint64_t{count} * sizeof(shared::Ray));
+  checkSize(pass, out, uint64_t{count} * (query == Query::Closest ? sizeof(shared::Hit) : sizeof(uint32_t)));
+}
+
+std::vector<TracerListing> listTracers(const Device&) {
+  // Both need nothing that the engine does not already ask of every device.
+  return {{"embree", true, ""}, {"bvh", true, ""}};
+}
+
+std::unique_ptr<Tracer> makeTracer(const std::string& id, Device& device, ShaderLibrary&, const Scene& scene,
+                                   const GpuScene& gpuScene, std::shared_ptr<const EmbreeScene> embree, TaskPool& pool,
+                                   Progress* progress) {
+  const std::string chosen = id == "auto" ? (device.isCpu() ? "embree" : "bvh") : id;
+  if (chosen == "embree") {
+    if (!embree) embree = std::make_shared<const EmbreeScene>(scene, progress);
+    return makeEmbreeTracer(std::move(embree), pool);
+  }
+  if (chosen == "bvh") return makeBvhTracer(device, scene, gpuScene, pool, progress);
+  throw badInput("unknown tracer \"" + id + "\": available are auto, " + available(device));
+}
+
+}  // namespace hl

@@ -1,0 +1,168 @@
+// Casting rays through the four-wide tree of engine/trace/bvh.h. The including file defines HL_ANY (0: closest hit, 1: any hit) and
+// HL_ALPHA (1: the scene has alpha-tested triangles).
+#include "shaders/shared/ray.h"
+#if HL_ALPHA
+#include "shaders/shared/scene_types.h"
+#endif
+
+layout(local_size_x = 64) in;
+
+// Entries that a walk of this tree needs at most.
+layout(constant_id = 0) const uint kStackSize = 64;
+
+uniform samplerBuffer nodes;
+uniform samplerBuffer triangles;
+layout(scalar) readonly buffer rays_block { Ray rays[]; };
+#if HL_ANY
+layout(scalar) writeonly buffer result_block { uint result[]; };
+#else
+layout(scalar) writeonly buffer result_block { Hit result[]; };
+#endif
+#if HL_ALPHA
+layout(scalar) readonly buffer uvs_block { vec2 uvs[]; };
+layout(scalar) readonly buffer indices_block { uvec3 indices[]; };
+layout(scalar) readonly buffer material_ids_block { uint materialIds[]; };
+layout(scalar) readonly buffer materials_block { GpuMaterial materials[]; };
+uniform sampler2DArray textures;
+#endif
+
+layout(push_constant, scalar) uniform Constants { uint rayCount; };
+
+const uint kLeafBit = 0x80000000u;
+const uint kNodeMask = (1u << 29) - 1u;
+const uint kFirstMask = (1u << 26) - 1u;
+const int kNodeTexels = 7;
+const int kTriangleTexels = 3;
+// Below this a direction's component counts as this: 0 would make NaN of a slab that the ray starts in.
+const float kMinDirection = 1e-12;
+// Rounding of a slab's distance (three operations, two units in the last place each), on the safe side.
+const float kSlabSlack = 1.0 + 6.0 * 1.1920929e-7;
+
+float safeInverse(float d) { return 1.0 / (abs(d) < kMinDirection ? (d < 0.0 ? -kMinDirection : kMinDirection) : d); }
+
+#if HL_ALPHA
+bool opaqueAt(uint triangle, float u, float v) {
+  GpuMaterial m = materials[materialIds[triangle]];
+  uvec3 i = indices[triangle];
+  vec2 uv = (1.0 - u - v) * uvs[i.x] + u * uvs[i.y] + v * uvs[i.z];
+  return textureLod(textures, vec3(uv, float(m.albedoTexture)), 0.0).a >= m.alphaCutoff;
+}
+#endif
+
+/// The signed volumes of the ray with the triangle's edges decide, so that neighbours share one verdict on their common edge: nothing slips
+/// through between them. Distances come from the plane. Contraction into fused operations would break the symmetry: hence `precise`.
+bool hitTriangle(int index, Ray ray, float tMax, out Hit hit) {
+  vec4 texel0 = texelFetch(triangles, index * kTriangleTexels);
+  vec4 texel1 = texelFetch(triangles, index * kTriangleTexels + 1);
+  precise vec3 a = texel0.xyz - ray.origin;
+  precise vec3 b = texel1.xyz - ray.origin;
+  precise vec3 c = texelFetch(triangles, index * kTriangleTexels + 2).xyz - ray.origin;
+  precise vec3 ca = c - a, ab = a - b, bc = b - c;
+  precise vec3 crossCa = cross(ca, c + a), crossAb = cross(ab, a + b), crossBc = cross(bc, b + c);
+  precise float volumeB = dot(crossCa, ray.direction);  // weight of b
+  precise float volumeC = dot(crossAb, ray.direction);
+  precise float volumeA = dot(crossBc, ray.direction);
+  float sum = volumeA + volumeB + volumeC;
+  float slack = abs(sum) * 1.1920929e-7;
+  float least = min(volumeA, min(volumeB, volumeC)), most = max(volumeA, max(volumeB, volumeC));
+  if (least < -slack && most > slack) return false;
+  vec3 normal = cross(ab, ca);
+  float slope = dot(normal, ray.direction);
+  float t = dot(a, normal) / slope;
+  if (slope == 0.0 || !(t >= ray.tMin && t <= tMax)) return false;
+  float scale = sum != 0.0 ? 1.0 / sum : 0.0;
+  hit.t = t;
+  hit.primitive = floatBitsToUint(texel0.w) & kNodeMask;
+  hit.u = clamp(volumeB * scale, 0.0, 1.0);
+  hit.v = clamp(volumeC * scale, 0.0, 1.0);
+#if HL_ALPHA
+  if (texel1.w != 0.0 && !opaqueAt(hit.primitive, hit.u, hit.v)) return false;
+#endif
+  return true;
+}
+
+void order(inout uint childA, inout float nearA, inout uint childB, inout float nearB) {
+  bool swapped = nearB < nearA;
+  uint child = swapped ? childB : childA;
+  float near = swapped ? nearB : nearA;
+  childB = swapped ? childA : childB;
+  nearB = swapped ? nearA : nearB;
+  childA = child;
+  nearA = near;
+}
+
+Hit trace(Ray ray) {
+  Hit best;
+  best.t = 0.0;
+  best.primitive = kMiss;
+  best.u = 0.0;
+  best.v = 0.0;
+  ray.tMin = max(ray.tMin, 0.0);
+  if (!(ray.tMin <= ray.tMax)) return best;
+  vec3 inverse = vec3(safeInverse(ray.direction.x), safeInverse(ray.direction.y), safeInverse(ray.direction.z));
+  ivec3 side = ivec3(lessThan(inverse, vec3(0.0)));  // 1: the box's upper face comes first
+  float tMax = ray.tMax;
+  const float kNever = 3.4e38;
+
+  uint stack[kStackSize];
+  uint depth = 0u;
+  uint next = 0u;  // the root
+  while (true) {
+    if ((next & kLeafBit) == 0u) {
+      int base = int(next & kNodeMask) * kNodeTexels;
+      vec4 nearX = (texelFetch(nodes, base + side.x) - ray.origin.x) * inverse.x;
+      vec4 farX = (texelFetch(nodes, base + 1 - side.x) - ray.origin.x) * inverse.x;
+      vec4 nearY = (texelFetch(nodes, base + 2 + side.y) - ray.origin.y) * inverse.y;
+      vec4 farY = (texelFetch(nodes, base + 3 - side.y) - ray.origin.y) * inverse.y;
+      vec4 nearZ = (texelFetch(nodes, base + 4 + side.z) - ray.origin.z) * inverse.z;
+      vec4 farZ = (texelFetch(nodes, base + 5 - side.z) - ray.origin.z) * inverse.z;
+      uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
+      vec4 near = max(max(nearX, nearY), max(nearZ, vec4(ray.tMin)));
+      vec4 far = min(min(farX, farY), min(farZ, vec4(tMax))) * kSlabSlack;
+      bvec4 entered = lessThanEqual(near, far);
+#if HL_ANY
+      if (entered.x) stack[depth++] = child.x;
+      if (entered.y) stack[depth++] = child.y;
+      if (entered.z) stack[depth++] = child.z;
+      if (entered.w) stack[depth++] = child.w;
+#else
+      near = mix(vec4(kNever), near, entered);
+      order(child.x, near.x, child.y, near.y);
+      order(child.z, near.z, child.w, near.w);
+      order(child.x, near.x, child.z, near.z);
+      order(child.y, near.y, child.w, near.w);
+      order(child.y, near.y, child.z, near.z);
+      if (near.w < kNever) stack[depth++] = child.w;
+      if (near.z < kNever) stack[depth++] = child.z;
+      if (near.y < kNever) stack[depth++] = child.y;
+      if (near.x < kNever) stack[depth++] = child.x;
+#endif
+    } else {
+      int first = int(next & kFirstMask);
+      int last = first + int((next >> 26) & 7u);
+      for (int i = first; i <= last; ++i) {
+        Hit hit;
+        if (hitTriangle(i, ray, tMax, hit)) {
+          best = hit;
+          tMax = hit.t;
+#if HL_ANY
+          return best;
+#endif
+        }
+      }
+    }
+    if (depth == 0u) return best;
+    next = stack[--depth];
+  }
+}
+
+void main() {
+  uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+  if (index >= rayCount) return;
+  Hit hit = trace(rays[index]);
+#if HL_ANY
+  result[index] = hit.primitive == kMiss ? 0u : 1u;
+#else
+  result[index] = hit;
+#endif
+}
