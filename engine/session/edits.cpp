@@ -90,11 +90,9 @@ void Session::Impl::collectParams() {
 
 std::map<std::string, std::string> Session::Impl::changedParams() const {
   std::map<std::string, std::string> out;
-  for (const ParamView& view : params.views())
-    for (const ParamInfo& info : view.infos()) {
-      const std::string value = formatParam(info, view.get(info));
-      const ParamValue def = info.type == ParamType::Float ? ParamValue(static_cast<float>(info.def)) : ParamValue(static_cast<int32_t>(info.def));
-      if (value != formatParam(info, def)) out[info.key()] = value;
+  for (const ParamView& group : params.views())
+    for (const ParamInfo& info : group.infos()) {
+      if (!group.isDefault(info)) out[info.key()] = formatParam(info, group.get(info));
     }
   return out;
 }
@@ -133,10 +131,10 @@ void Session::Impl::cameraChanged() {
 }
 
 /// Makes the scene the current one. The expensive parts that can fail are built first.
-void Session::Impl::install(std::shared_ptr<Scene> next, Progress& progress) {
-  auto nextEmbree = std::make_shared<EmbreeScene>(*next, &progress);
+void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
+  auto nextEmbree = std::make_shared<EmbreeScene>(*next, &p);
   GpuScene nextGpu = uploadScene(device, *next);
-  auto nextTracer = makeTracer(options.tracer, device, shaders, *next, nextGpu, nextEmbree, pool, &progress);
+  auto nextTracer = makeTracer(options.tracer, device, shaders, *next, nextGpu, nextEmbree, pool, &p);
   device.waitIdle();
   view.reset();
   technique.reset();  // refers to the old scene
@@ -248,6 +246,9 @@ void Session::setParam(const std::string& key, const std::string& text) {
   found.view->set(*found.info, value);
   if (found.info->group == "lightmap") s.atlasStale = true;
   if (found.info->group == "reference") {
+    // What was traced so far goes to the cache: a larger number of samples goes on from there.
+    for (const ReferenceRun* run : {&s.full, &s.matched, &s.lightmapRun})
+      if (run->tracer && run->result) run->tracer->store();
     s.referenceStale();
     return;
   }

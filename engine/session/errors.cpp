@@ -77,7 +77,7 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     const char* name = matched ? "matched" : "full";
-    const ReferenceImage truth = run.result->indirectImage(matched ? bounces : kAllBounces);
+    const ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
     const ReferenceImage sun = run.result->directImage();
     const auto whole = [&](const Image& d, const Image& i) { return composite(d, i, albedo, emission, position, s.scene->sky); };
     const ReferenceImage truthFinal{whole(sun.mean, truth.mean), whole(sun.halfA, truth.halfA), whole(sun.halfB, truth.halfB)};
@@ -103,7 +103,7 @@ Image Session::errorMap(const std::string& metric, const std::string& reference)
   const Image indirect = s.indirectImage ? s.device.download(s.indirectImage) : Image(position.width, position.height, 4);
   const Mask mask = surfaceMask(position);
   if (!anySet(mask)) return Image(position.width, position.height, 1);
-  const ReferenceImage truth = run.result->indirectImage(matched ? s.technique->transport().bounces : kAllBounces);
+  const ReferenceImage truth = run.result->indirectImage(matched ? s.technique->transport().bounces : s.fullBounces());
   return measure(metric, indirect, truth, mask, true).map;
 }
 

@@ -40,19 +40,19 @@ Image Session::Impl::linearImage(const std::string& name) {
   if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
   if (name == "reference_indirect" || name == "reference_direct") {
     if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
-    return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(kAllBounces).mean;
+    return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(fullBounces()).mean;
   }
   if (name == "reference") {
-    Image direct = linearImage("reference_direct");
+    Image sum = linearImage("reference_direct");
     const Image indirect = linearImage("reference_indirect"), albedo = device.download(gbuffer.albedo);
     const Image emission = device.download(gbuffer.emission), position = device.download(gbuffer.position);
-    for (size_t i = 0; i < direct.pixels(); ++i)
+    for (size_t i = 0; i < sum.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) {
-        const float e = direct.data[i * 3 + c] + indirect.data[i * 3 + c];
+        const float e = sum.data[i * 3 + c] + indirect.data[i * 3 + c];
         const bool surface = position.data[i * 4 + 3] != 0;
-        direct.data[i * 3 + c] = surface ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : scene->sky[static_cast<int>(c)];
+        sum.data[i * 3 + c] = surface ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : scene->sky[static_cast<int>(c)];
       }
-    return direct;
+    return sum;
   }
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
@@ -69,15 +69,15 @@ Image Session::image(const std::string& view) {
 
 /// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.
 void Session::Impl::showHostView(FrameResult& result) {
-  const std::string& view = preset.display.view;
-  const bool error = view.rfind("error", 0) == 0, truth = view.rfind("reference", 0) == 0;
+  const std::string& id = preset.display.view;
+  const bool error = id.rfind("error", 0) == 0, truth = id.rfind("reference", 0) == 0;
   if (!error && !truth) return;
   if (!full.result) {
     if (result.message.empty()) result.message = "the reference has no picture yet";
     return;
   }
   if (truth) {
-    result.display = toneMapOnHost(linearImage(view), preset.display);
+    result.display = toneMapOnHost(linearImage(id), preset.display);
     return;
   }
   const Image position = device.download(gbuffer.position);
@@ -85,9 +85,9 @@ void Session::Impl::showHostView(FrameResult& result) {
   Mask mask(position.pixels());
   for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
   if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
-  const bool againstFull = view == "error_full";
+  const bool againstFull = id == "error_full";
   const ReferenceRun& run = !againstFull && matched.result ? matched : full;
-  const int bounces = againstFull ? kAllBounces : technique->transport().bounces;
+  const int bounces = againstFull ? fullBounces() : technique->transport().bounces;
   const Image map = measure("relmse", irradiance, run.result->indirectImage(bounces), mask, true).map;
   std::vector<float> sorted;
   for (const float v : map.data)

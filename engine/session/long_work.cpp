@@ -1,6 +1,7 @@
 // What takes longer than a frame: atlas, precomputation, bake, reference. In numbered units, between frames.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/hash.h"
@@ -11,17 +12,18 @@
 
 namespace hl {
 
-void Session::Impl::buildLightmap(Progress& progress) {
+void Session::Impl::buildLightmap(Progress& p) {
   AtlasSettings settings;
   settings.resolution = lightmap.resolution;
   settings.uvOverlapTolerance = lightmap.uv_overlap_tolerance;
   settings.margin = lightmap.margin;
-  const auto inside = [this](const std::vector<Lumel>& lumels, std::vector<uint8_t>& out) { findInside(*embree, lumels, out, pool); };
+  const auto cast = [this](std::span<const shared::Ray> rays, std::span<shared::Hit> hits) { embree->closest(rays, hits); };
+  const auto inside = insideTest(*scene, pool, direct.ray_offset * scene->bounds.diagonal(), cast);
   if (lightmap.texels > 0) {
     // The side that gives the wanted number of valid texels, from the coverage found at a first guess.
     settings.resolution = std::clamp(static_cast<int>(std::ceil(std::sqrt(lightmap.texels / 0.6))), 32, 4096);
     for (int round = 0; round < 3; ++round) {
-      Atlas trial = buildAtlas(*scene, settings, pool, progress, inside);
+      Atlas trial = buildAtlas(*scene, settings, pool, p, inside);
       const double ratio = lightmap.texels / std::max(1.0, static_cast<double>(trial.lumels.size()));
       atlas = std::move(trial);
       const int next = std::clamp(static_cast<int>(std::lround(settings.resolution * std::sqrt(ratio))), 32, 4096);
@@ -29,7 +31,7 @@ void Session::Impl::buildLightmap(Progress& progress) {
       settings.resolution = next;
     }
   } else {
-    atlas = buildAtlas(*scene, settings, pool, progress, inside);
+    atlas = buildAtlas(*scene, settings, pool, p, inside);
   }
   cornerUvs = device.buffer("lightmap: corner uvs", std::span<const vec2>(atlas->cornerUvs));
   atlasStale = false;
@@ -37,18 +39,18 @@ void Session::Impl::buildLightmap(Progress& progress) {
   lightmapRun = {};
 }
 
-void Session::Impl::prepare(Progress& progress) {
+void Session::Impl::prepare(Progress& p) {
   if (!displayCounters) displayCounters = device.buffer("display: counters", 2 * sizeof(uint32_t));
   const bool renderable = features.surfaces && features.anyLight();
   if (!held && renderable) {
     try {
-      if (technique->needs().lightmap && (atlasStale || !atlas)) buildLightmap(progress);
+      if (technique->needs().lightmap && (atlasStale || !atlas)) buildLightmap(p);
       if (techniqueStale) {
         device.waitIdle();
         view.emplace(SceneView{*scene, features, gpuScene, *tracer, *directLight, pool,
                                technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed});
         Gpu gpu{device, shaders};
-        technique->rebuild(gpu, *view, progress);
+        technique->rebuild(gpu, *view, p);
         techniqueStale = false;
         resetWanted = true;
         workStopped = false;
@@ -83,7 +85,7 @@ bool Session::Impl::workSettled() const {
   return held || techniqueStale || workStopped || !features.surfaces || !features.anyLight() || technique->work().settled();
 }
 
-void Session::Impl::runWork(double budgetMs, Progress& progress) {
+void Session::Impl::runWork(double budgetMs, Progress& p) {
   const double start = nowMs();
   measuredSettled = false;
   do {
@@ -93,7 +95,7 @@ void Session::Impl::runWork(double budgetMs, Progress& progress) {
     workMs += t.wallMs;
     msSinceReset += t.wallMs;
     ++workUnitsTimed;
-    if (progress.cancelled()) {
+    if (p.cancelled()) {
       workStopped = true;
       return;
     }
@@ -139,12 +141,12 @@ bool Session::Impl::referencesSettled() const {
   return full.tracer && full.tracer->settled() && (!matched.tracer || matched.tracer->settled());
 }
 
-void Session::Impl::runReference(double budgetMs, Progress& progress) {
+void Session::Impl::runReference(double budgetMs, Progress& p) {
   const double start = nowMs();
   while (!referencesSettled() && nowMs() - start < budgetMs) {
     // The two advance together, so that both have something to show early.
     ReferenceRun& run = !matched.tracer || full.tracer->done() <= matched.tracer->done() ? (full.tracer->settled() ? matched : full) : matched;
-    run.tracer->advance(progress);
+    run.tracer->advance(p);
     const auto result = run.tracer->result();
     const bool finished = run.tracer->settled();
     run.result = result;

@@ -102,6 +102,7 @@ struct Session::Impl {
   bool referencesSettled() const;
   void startReferences();
   bool referenceShared() const;  ///< full and matched differ in the number of bounces alone
+  int fullBounces() const { return reference.bounces > 0 ? reference.bounces : kAllBounces; }
   ReferenceSettings referenceSettings(bool matchedPaths) const;
 
   // images.cpp
