@@ -33,6 +33,7 @@ struct SessionThread::Impl {
   std::shared_ptr<Progress> progress = std::make_shared<Progress>();
   std::function<void()> onFrame;
   std::function<void(const Error&)> onError;
+  std::vector<Error> undelivered;  ///< raised before anyone listened
   bool stop = false, started = false, visible = true, paused = false, cancelWanted = false;
   std::thread thread;
 
@@ -41,6 +42,7 @@ struct SessionThread::Impl {
     {
       const std::lock_guard lock(mutex);
       callback = onError;
+      if (!callback) undelivered.push_back(error);
     }
     if (callback) callback(error);
   }
@@ -163,9 +165,14 @@ std::shared_ptr<const Progress> SessionThread::progress() const {
 }
 
 void SessionThread::setCallbacks(std::function<void()> onFrame, std::function<void(const Error&)> onError) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->onFrame = std::move(onFrame);
-  impl_->onError = std::move(onError);
+  std::vector<Error> early;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->onFrame = std::move(onFrame);
+    impl_->onError = onError;
+    if (onError) early.swap(impl_->undelivered);
+  }
+  for (const Error& e : early) onError(e);
 }
 
 void SessionThread::setVisible(bool visible) {

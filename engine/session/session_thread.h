@@ -27,7 +27,8 @@ class SessionThread {
   /// Progress of the load or rebuild that runs now (thread-safe to read), for the status bar.
   std::shared_ptr<const Progress> progress() const;
 
-  /// Both are called on the session's thread; forward them to the window's event loop by a queued call.
+  /// Both are called on the session's thread; forward them to the window's event loop by a queued call. Errors raised before anyone listened are
+  /// delivered here, on the caller's thread.
   void setCallbacks(std::function<void()> onFrame, std::function<void(const Error&)> onError);
   /// Frames pause (work goes on) while the viewport is hidden; both pause when `paused`.
   void setVisible(bool);

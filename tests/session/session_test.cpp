@@ -1,0 +1,129 @@
+// The Session as a person drives it: edits that fail leave it as it was, edits that undo each other give the same picture.
+#include <cmath>
+
+#include "engine/session/session_thread.h"
+#include "tests/session_fixture.h"
+
+namespace hl::test {
+namespace {
+
+/// Runs `f` and returns the message of the Error it must throw.
+template <class F>
+std::string messageOf(F f, ErrorKind kind = ErrorKind::BadInput) {
+  try {
+    f();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), kind);
+    return e.what();
+  }
+  ADD_FAILURE() << "no error was thrown";
+  return {};
+}
+
+TEST_F(SessionTest, BadEditsLeaveItAsItWas) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  const std::string before = presetJson(session->preset(), true);
+  const std::string hash = session->settle()->displayHash;
+  EXPECT_NE(messageOf([&] { session->setParam("radiosity.sampels", "3"); }).find("radiosity.samples"), std::string::npos);
+  EXPECT_NE(messageOf([&] { session->setParam("radiosity.samples", "99999"); }).find("4096"), std::string::npos);
+  EXPECT_NE(messageOf([&] { session->setTechnique("radioisty"); }).find("radiosity"), std::string::npos);
+  EXPECT_NE(messageOf([&] { session->setScene("no_such_scene"); }).find("no_such_scene"), std::string::npos);
+  EXPECT_NE(messageOf([&] { session->setResolution(0, 10); }).find("0x10"), std::string::npos);
+  EXPECT_NE(messageOf([&] { session->setCameraName("nowhere"); }).find("nowhere"), std::string::npos);
+  Preset bad = session->preset();
+  bad.parameters["lightmap.resolution"] = "3";
+  EXPECT_NE(messageOf([&] { session->load(bad); }).find("lightmap.resolution"), std::string::npos);
+  Display display;
+  display.view = "fianl";
+  EXPECT_NE(messageOf([&] { session->setDisplay(display); }).find("final"), std::string::npos);
+  EXPECT_EQ(presetJson(session->preset(), true), before);
+  EXPECT_EQ(session->settle()->displayHash, hash);
+  expectNoMessages(*session);
+}
+
+TEST_F(SessionTest, AnEditAndItsUndoGiveTheSamePicture) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  const std::string hash = session->settle()->displayHash;
+  session->setParam("radiosity.bounces", "1");
+  EXPECT_NE(session->settle()->displayHash, hash);
+  session->setParam("radiosity.bounces", "8");
+  EXPECT_EQ(session->settle()->displayHash, hash);
+  session->setTechnique("none");
+  const auto direct = session->settle();
+  EXPECT_NE(direct->displayHash, hash);
+  session->setTechnique("radiosity");
+  EXPECT_EQ(session->settle()->displayHash, hash);
+  expectNoMessages(*session);
+}
+
+TEST_F(SessionTest, LightsCanBeEditedAndAreKeptInThePreset) {
+  auto session = makeSession();
+  session->load(smallPreset("point_light_cube", "radiosity"));
+  session->settle();
+  const float before = meanOf(session->image("indirect_irradiance")).y;
+  std::vector<PointLight> lights = session->scene().pointLights;
+  ASSERT_EQ(lights.size(), 1u);
+  lights[0].intensity = lights[0].intensity * 3.0f;
+  session->setLights(lights, {}, {}, vec3(0));
+  const auto result = session->settle();
+  EXPECT_NEAR(meanOf(session->image("indirect_irradiance")).y, 3 * before, 3e-3f * before);
+  ASSERT_TRUE(session->preset().lights);
+  auto again = makeSession();
+  again->load(presetFromJson(presetJson(session->preset()), "test"));
+  EXPECT_EQ(again->settle()->displayHash, result->displayHash);
+}
+
+TEST_F(SessionTest, PassesThatHaveNothingToDoSayWhy) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "none"));
+  const auto result = session->settle();
+  bool skipped = false;
+  for (const PassStatistics& pass : result->passes) skipped |= !pass.skipped.empty();
+  EXPECT_TRUE(skipped);
+  EXPECT_GT(result->frameTime.medianMs, 0);
+}
+
+TEST_F(SessionTest, TheBakeStopsWhenCancelledAndGoesOnLater) {
+  auto session = makeSession();
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  session->load(preset);
+  const std::string hash = session->settle()->displayHash;
+  session->load(preset);
+  const auto started = session->frame();
+  ASSERT_LT(started->technique.done, 1.0);
+  session->cancelWork();
+  const auto stopped = session->frame();
+  EXPECT_FALSE(stopped->technique.running);
+  const double done = stopped->technique.done;
+  EXPECT_EQ(session->frame()->technique.done, done);
+  session->restartWork();
+  EXPECT_EQ(session->settle()->displayHash, hash);
+}
+
+TEST_F(SessionTest, ReferenceIsCachedAndErrorsAreMeasuredAgainstIt) {
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  auto session = makeSession();
+  session->load(preset);
+  session->settle();
+  EXPECT_TRUE(session->measureErrors({"mse"}).empty());
+  session->reference();
+  const auto errors = session->measureErrors({"mse", "relmse"});
+  ASSERT_FALSE(errors.empty());
+  auto again = makeSession();
+  again->load(preset);
+  again->settle();
+  again->reference();
+  const auto second = again->measureErrors({"mse", "relmse"});
+  ASSERT_EQ(errors.size(), second.size());
+  for (size_t i = 0; i < errors.size(); ++i) EXPECT_EQ(errors[i].value, second[i].value) << errors[i].metric;
+  // The lightmap has a truth of its own.
+  session->reference("lightmap");
+  const auto texels = session->measureErrors({"bias"}, "lightmap");
+  ASSERT_EQ(texels.size(), 1u);
+  EXPECT_LT(std::abs(texels[0].value), 0.03);
+}
+
+}  // namespace
+}  // namespace hl::test

@@ -1,0 +1,98 @@
+// The thread behind the window: edits coalesce, errors come back, cancel and destruction are prompt. Run under the thread sanitizer as well.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "engine/session/session_thread.h"
+#include "tests/session_fixture.h"
+
+namespace hl::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+SessionOptions options() {
+  SessionOptions o;
+  o.device.validation = true;
+  return o;
+}
+
+/// Waits for `condition`; false when it has not come true in time.
+template <class F>
+bool eventually(F condition, std::chrono::seconds limit = 120s) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(5ms);
+  }
+  return false;
+}
+
+TEST_F(SessionTest, PublishesFramesAndCoalescesEdits) {
+  std::atomic<int> frames = 0, applied = 0;
+  std::atomic<bool> failed = false;
+  SessionThread thread(options());
+  thread.setCallbacks([&] { ++frames; }, [&](const Error&) { failed = true; });
+  EXPECT_EQ(thread.latest(), nullptr);
+  thread.post([](Session& s) { s.load(smallPreset("cornell_box", "radiosity")); });
+  // The load keeps the thread busy: of the edits that wait meanwhile under one key, the last alone is applied.
+  for (int i = 1; i <= 20; ++i)
+    thread.post([&applied, i](Session& s) { ++applied, s.setParam("radiosity.bounces", std::to_string(i)); }, "bounces");
+  ASSERT_TRUE(eventually([&] { return thread.latest() && thread.latest()->settled; }));
+  EXPECT_LT(applied, 20);
+  EXPECT_GT(frames, 0);
+  EXPECT_FALSE(failed);
+  EXPECT_EQ(thread.latest()->preset.parameters.at("radiosity.bounces"), "20");
+  std::atomic<bool> checked = false;
+  thread.post([&](Session& s) { expectNoMessages(s), checked = true; });
+  EXPECT_TRUE(eventually([&] { return checked.load(); }));
+}
+
+TEST_F(SessionTest, ErrorsComeBackAndTheSessionGoesOn) {
+  std::atomic<int> errors = 0;
+  SessionThread thread(options());
+  thread.setCallbacks({}, [&](const Error& e) { errors += e.kind() == ErrorKind::BadInput; });
+  thread.post([](Session& s) { s.load(smallPreset("cornell_box", "none")); });
+  thread.post([](Session& s) { s.setParam("no.such", "1"); });
+  ASSERT_TRUE(eventually([&] { return errors == 1 && thread.latest(); }));
+  const uint64_t number = thread.latest()->number;
+  thread.post([](Session& s) { s.setTechnique("radiosity"); });
+  EXPECT_TRUE(eventually([&] { return thread.latest()->number > number && thread.latest()->preset.technique == "radiosity"; }));
+}
+
+TEST_F(SessionTest, CancelStopsTheBakeInHalfASecond) {
+  SessionThread thread(options());
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  preset.parameters["lightmap.resolution"] = "256";
+  preset.parameters["radiosity.samples"] = "4096";
+  thread.post([preset](Session& s) { s.load(preset); });
+  ASSERT_TRUE(eventually([&] { return thread.latest() && thread.latest()->technique.running; }));
+  const auto start = std::chrono::steady_clock::now();
+  thread.cancel();
+  ASSERT_TRUE(eventually([&] { return !thread.latest()->technique.running; }));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RecordProperty("seconds", std::to_string(seconds));
+  EXPECT_LT(seconds, 0.5);
+}
+
+TEST_F(SessionTest, GoesAwayWhileItWorks) {
+  auto thread = std::make_unique<SessionThread>(options());
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  preset.parameters["lightmap.resolution"] = "512";
+  thread->post([preset](Session& s) { s.load(preset); });
+  std::this_thread::sleep_for(300ms);
+  thread.reset();
+}
+
+TEST(SessionThreadWithoutDevice, SaysSo) {
+  std::atomic<bool> device = false;
+  SessionOptions bad;
+  bad.device.select = "no such device";
+  SessionThread thread(bad);
+  thread.setCallbacks({}, [&](const Error&) { device = true; });
+  thread.post([](Session&) {});
+  EXPECT_TRUE(eventually([&] { return device.load(); }));
+}
+
+}  // namespace
+}  // namespace hl::test
