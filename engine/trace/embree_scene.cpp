@@ -15,14 +15,15 @@
 namespace hl {
 namespace {
 
+/// Rays handed over at once: on Sponza's incoherent rays 1.05 times the rate of single rays for the closest hit, 1.2
+/// to 1.4 times for any hit; packets of 8 and the coherent flag were slower.
+constexpr size_t kStream = 64;
 constexpr shared::Hit kMissed{0, shared::kMiss, 0, 0};
 
 struct FilterData {
   const Scene* scene = nullptr;
   const std::vector<uint32_t>* triangles = nullptr;
 };
-
-bool active(const shared::Ray& r) { return std::max(r.tMin, 0.0f) <= r.tMax; }  // false for NaN as well
 
 }  // namespace
 
@@ -55,6 +56,11 @@ struct EmbreeScene::Impl {
 
   uint32_t sceneTriangle(uint32_t geometry, uint32_t primitive) const {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
+  }
+
+  shared::Hit fromEmbree(const RTCRayHit& q) const {
+    if (q.hit.geomID == RTC_INVALID_GEOMETRY_ID) return kMissed;
+    return {q.ray.tfar, sceneTriangle(q.hit.geomID, q.hit.primID), q.hit.u, q.hit.v};
   }
 
   void attach(unsigned id, const std::vector<uvec3>& list, RTCFilterFunctionN keep, void* user) {
@@ -93,6 +99,8 @@ RTCRay toEmbree(const shared::Ray& r) {
   ray.org_x = r.origin.x, ray.org_y = r.origin.y, ray.org_z = r.origin.z;
   ray.dir_x = r.direction.x, ray.dir_y = r.direction.y, ray.dir_z = r.direction.z;
   ray.tnear = std::max(r.tMin, 0.0f), ray.tfar = r.tMax;
+  if (!(ray.tnear <= ray.tfar))
+    ray.tnear = 1, ray.tfar = 0;  // inactive, and apart from what marks an occluded ray: a negative tfar
   ray.time = 0, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
   return ray;
 }
@@ -170,7 +178,6 @@ uint64_t EmbreeScene::bytes() const {
 }
 
 shared::Hit EmbreeScene::closest(const shared::Ray& r) const {
-  if (!active(r)) return kMissed;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
@@ -178,12 +185,10 @@ shared::Hit EmbreeScene::closest(const shared::Ray& r) const {
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(impl_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return kMissed;
-  return {query.ray.tfar, impl_->sceneTriangle(query.hit.geomID, query.hit.primID), query.hit.u, query.hit.v};
+  return impl_->fromEmbree(query);
 }
 
 bool EmbreeScene::occluded(const shared::Ray& r) const {
-  if (!active(r)) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay ray = toEmbree(r);
@@ -192,11 +197,31 @@ bool EmbreeScene::occluded(const shared::Ray& r) const {
 }
 
 void EmbreeScene::closest(std::span<const shared::Ray> rays, std::span<shared::Hit> hits) const {
-  for (size_t i = 0; i < rays.size(); ++i) hits[i] = closest(rays[i]);
+  std::array<RTCRayHit, kStream> stream;
+  for (size_t first = 0; first < rays.size(); first += kStream) {
+    const size_t n = std::min(kStream, rays.size() - first);
+    for (size_t i = 0; i < n; ++i) {
+      stream[i].ray = toEmbree(rays[first + i]);
+      stream[i].hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      stream[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1M(impl_->scene, &context, stream.data(), static_cast<unsigned>(n), sizeof(RTCRayHit));
+    for (size_t i = 0; i < n; ++i) hits[first + i] = impl_->fromEmbree(stream[i]);
+  }
 }
 
 void EmbreeScene::occluded(std::span<const shared::Ray> rays, std::span<uint32_t> out) const {
-  for (size_t i = 0; i < rays.size(); ++i) out[i] = occluded(rays[i]) ? 1 : 0;
+  std::array<RTCRay, kStream> stream;
+  for (size_t first = 0; first < rays.size(); first += kStream) {
+    const size_t n = std::min(kStream, rays.size() - first);
+    for (size_t i = 0; i < n; ++i) stream[i] = toEmbree(rays[first + i]);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1M(impl_->scene, &context, stream.data(), static_cast<unsigned>(n), sizeof(RTCRay));
+    for (size_t i = 0; i < n; ++i) out[first + i] = stream[i].tfar < 0 ? 1 : 0;
+  }
 }
 
 }  // namespace hl
