@@ -21,6 +21,7 @@ struct GpuScene {
   uint32_t triangleCount = 0, lightCount = 0, emitterCount = 0;
   float emitterPower = 0;   ///< sum of area times luminance, the normaliser of GpuEmitter::probability
   vec3 sky{0.0f};
+  float diagonal = 0;       ///< of the scene's bounds [m]; ray offsets are shares of it
   SceneFeatures features;
   std::vector<std::pair<std::string, uint64_t>> memory() const;  ///< bytes by resource
 };
