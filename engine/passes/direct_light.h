@@ -14,14 +14,17 @@ class DirectLight {
   ~DirectLight();
 
   /// Irradiance at `count` points [first, first + count) of `points` (shared::SurfacePoint), added to `irradiance` (vec4 a point: RGB sum, w = samples):
-  /// one sample of every light a call. Passes "<prefix>: sample lights", "<prefix>: shadow rays", "<prefix>: accumulate".
+  /// one sample of every light a call. Clear `irradiance` first. Passes "<prefix>: sample lights", "<prefix>: shadow rays", "<prefix>: accumulate".
   void record(FrameGraph&, const std::string& prefix, const Buffer& points, const Buffer& irradiance, uint32_t first, uint32_t count, uint32_t seed,
               uint32_t sample);
 
-  /// Irradiance at G-buffer pixels, a running mean over frames since `reset` up to `params.samples` samples; then skipped as settled.
+  /// Irradiance at G-buffer pixels: punctual lights by one ray each, emitters and sky as a running mean over
+  /// frames since `reset` up to `params.samples` samples; then skipped as settled. Passes "direct punctual: ...", "direct: ...".
   GpuImage recordPixels(FrameGraph&, const GBuffer&, const DirectParams&, uint32_t seed);
   void reset();
   bool settled(const DirectParams&) const;
+  /// Only punctual lights, or none: further samples would repeat the first.
+  bool exactAfterOneSample() const;
   std::vector<std::pair<std::string, uint64_t>> memory() const;
 
  private:

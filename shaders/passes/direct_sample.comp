@@ -1,0 +1,116 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// A shadow ray for every slot of every point, and what the point receives where nothing stands in its way.
+#include "shaders/passes/direct_batch.h"
+#include "shaders/shared/ray.h"
+#include "shaders/shared/sampling.h"
+#include "shaders/shared/scene_types.h"
+#include "shaders/shared/surface_point.h"
+
+layout(local_size_x = 64) in;
+
+layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
+layout(scalar) readonly buffer lights_block { GpuLight lights[]; };
+layout(scalar) readonly buffer emitters_block { GpuEmitter emitters[]; };
+layout(scalar) writeonly buffer rays_block { Ray rays[]; };
+layout(scalar) writeonly buffer unshadowed_block { vec3 unshadowed[]; };
+layout(push_constant, scalar) uniform Constants { DirectBatch batch; };
+
+// A ray that is not cast: what it would carry is nothing.
+const Ray kNoRay = Ray(vec3(0.0), 1.0, vec3(0.0, 0.0, 1.0), 0.0);
+const float kFar = 1e30;
+// Up to here one pair of dimensions serves choice and place of an emitter together, which keeps both stratified; beyond, the bits left after the
+// choice grow scarce and the choice takes a dimension of its own.
+const uint kJointChoice = 256u;
+const uint kEmitterDimension = 0x9e3779b9u;
+const uint kChoiceDimension = 0x85ebca6bu;
+const uint kSkyDimension = 0xc2b2ae35u;
+
+struct Sample {
+  Ray ray;
+  vec3 irradiance;
+};
+
+/// Cosine at the receiver's (mapped) normal; 0 for light from below its true horizon.
+float receivedCosine(SurfacePoint p, vec3 direction) {
+  return dot(p.geometricNormal, direction) > 0.0 ? max(0.0, dot(p.normal, direction)) : 0.0;
+}
+
+vec3 rayOrigin(SurfacePoint p) { return p.position + p.geometricNormal * p.offset; }
+
+Sample samplePunctual(SurfacePoint p, GpuLight light) {
+  Sample s = Sample(kNoRay, vec3(0.0));
+  if (light.type == kLightDirectional) {
+    s.irradiance = light.intensity * receivedCosine(p, -light.direction);
+    s.ray = Ray(rayOrigin(p), 0.0, -light.direction, kFar);
+    return s;
+  }
+  vec3 to = light.position - p.position;
+  float distance2 = dot(to, to);
+  if (distance2 == 0.0) return s;
+  float distanceTo = sqrt(distance2);
+  vec3 direction = to / distanceTo;
+  float cone = light.type == kLightSpot ? spotFalloff(-dot(direction, light.direction), light.cosInner, light.cosOuter) : 1.0;
+  s.irradiance = light.intensity * (cone * receivedCosine(p, direction) / distance2);
+  // The last bit is left out, so that a light that sits on a surface is not hidden by it.
+  s.ray = Ray(rayOrigin(p), 0.0, light.position - rayOrigin(p), max(0.0, 1.0 - p.offset / distanceTo));
+  return s;
+}
+
+/// The emitter whose share of [0, 1) holds `u`.
+uint chooseEmitter(float u) {
+  uint low = 0u, high = batch.emitters;
+  while (high - low > 1u) {
+    uint middle = (low + high) / 2u;
+    if (emitters[middle].cumulative <= u) low = middle; else high = middle;
+  }
+  return low;
+}
+
+Sample sampleEmitter(SurfacePoint p, uint index, uint key) {
+  Sample s = Sample(kNoRay, vec3(0.0));
+  vec2 u = shuffledSobolPoint(index, key ^ kEmitterDimension);
+  bool joint = batch.emitters <= kJointChoice;
+  float choice = joint ? u.x : shuffledSobolPoint(index, key ^ kChoiceDimension).x;
+  GpuEmitter e = emitters[chooseEmitter(choice)];
+  if (!(e.probability > 0.0)) return s;
+  if (joint) u.x = clamp((u.x - e.cumulative) / e.probability, 0.0, 0.99999994);
+  TriangleSample t = sampleTriangleLight(p.position, e.p0, e.p1, e.p2, u);
+  if (!(t.pdf > 0.0)) return s;
+  vec3 normal = normalize(cross(e.p1 - e.p0, e.p2 - e.p0));
+  if (dot(normal, t.direction) >= 0.0) return s;  // one-sided: seen from behind
+  s.irradiance = e.emission * (receivedCosine(p, t.direction) / (t.pdf * e.probability));
+  // The ray ends in front of the emitter, at whatever angle it comes in.
+  vec3 target = p.position + t.direction * t.distance + normal * p.offset;
+  s.ray = Ray(rayOrigin(p), 0.0, target - rayOrigin(p), 1.0);
+  return s;
+}
+
+Sample sampleSky(SurfacePoint p, uint index, uint key) {
+  vec3 direction = fromLocal(sampleCosineHemisphere(shuffledSobolPoint(index, key ^ kSkyDimension)), p.normal);
+  if (dot(p.geometricNormal, direction) <= 0.0) return Sample(kNoRay, vec3(0.0));
+  return Sample(Ray(rayOrigin(p), 0.0, direction, kFar), batch.sky * kPi);
+}
+
+void main() {
+  uint i = gl_GlobalInvocationID.x, slot = gl_GlobalInvocationID.y;
+  if (i >= batch.count) return;
+  SurfacePoint p = points[batch.pointBase + i];
+  Sample s = Sample(kNoRay, vec3(0.0));
+  if (dot(p.normal, p.normal) > 0.0) {
+    if (slot < batch.lights) {
+      s = samplePunctual(p, lights[slot]);
+    } else {
+      uint key = pcgHash((batch.targetBase + i) ^ pcgHash(batch.seed));
+      bool both = batch.emitters > 0u && batch.skyRays > 0u;
+      uint k = slot - batch.lights;
+      uint index = batch.firstSample + (both ? k / 2u : k);
+      if (batch.emitters > 0u && (!both || k % 2u == 0u)) s = sampleEmitter(p, index, key);
+      else s = sampleSky(p, index, key);
+    }
+  }
+  bool dark = !(max(s.irradiance.x, max(s.irradiance.y, s.irradiance.z)) > 0.0);
+  uint ray = slot * batch.count + i;
+  rays[ray] = dark ? kNoRay : s.ray;
+  unshadowed[ray] = dark ? vec3(0.0) : s.irradiance;
+}
