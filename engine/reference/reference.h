@@ -13,7 +13,7 @@
 
 namespace hl {
 
-/// Where irradiance is wanted. Invalid receivers (no surface) have a zero normal and stay zero.
+/// Where irradiance is wanted. The back of a one-sided surface stays zero, and with ReferenceSettings::frontFacesOnly every back does. Invalid receivers (no surface) have a zero normal and stay zero.
 struct Receiver {
   vec3 position{0.0f}, geometricNormal{0.0f}, mappedNormal{0.0f};
   bool backFace = false;  ///< the camera sees the surface's back (normals are turned towards the camera)
@@ -21,12 +21,12 @@ struct Receiver {
 };
 
 struct ReferenceSettings {
-  int samplesPerPixel = 256;   ///< in all; half of them go to each of the two halves
+  int samplesPerPixel = 256;   ///< in all, at least 2 (odd: one more); half of them go to each of the two halves
   int maxBounces = kAllBounces;
   uint64_t seed = 1;
   bool frontFacesOnly = false;
   ReceiverNormal receiver = ReceiverNormal::Mapped;
-  int directSamples = 64;      ///< a receiver, for the direct image
+  int directSamples = 64;      ///< of emissive surfaces and sky a receiver, for the direct image, in all; punctual lights are exact
 };
 
 /// Irradiance by bounce: bucket b holds the light that was reflected b + 1 times before it reached the receiver (the last: all more).
@@ -35,7 +35,9 @@ struct ReferenceResult {
   int samplesPerPixel = 0;     ///< reached so far
   Image direct[2];             ///< direct irradiance, two independent halves (RGB)
   std::array<Image, kBounceBuckets> indirect[2];
-  uint64_t backFaceHits = 0, nonFinite = 0;
+  uint64_t backFaceHits = 0;   ///< paths that ended on the back of a one-sided surface (of any, where front faces alone count)
+  uint64_t nonFinite = 0;      ///< contributions that were NaN or Inf, and left out
+  uint64_t paths = 0, rays = 0;  ///< that the result took, shadow rays included
   std::string key;             ///< what it depends on; the cache's key
 
   ReferenceImage directImage() const;
@@ -45,17 +47,21 @@ struct ReferenceResult {
 
 /// Progressive and resumable: each `advance` adds one numbered pass (a fixed number of samples a pixel). The result after pass n does not depend
 /// on slices, threads or cancellation.
+///
+/// receiver == Mapped weighs light with the mapped (or smooth) normal at the receiver and at every bounce; Geometric with the triangle's own.
 class ReferenceTracer {
  public:
+  /// @throws Error(BadInput) where the receivers are not width x height.
   ReferenceTracer(std::shared_ptr<const EmbreeScene>, std::vector<Receiver> receivers, int width, int height, const ReferenceSettings&, TaskPool&);
   ~ReferenceTracer();
-  /// Starts from a cached result where one with the same key and at most as many samples is on disk.
+  /// Starts from a cached result where one with the same key and at most as many samples is on disk. A damaged one is passed over with a warning.
   void resume();
   bool settled() const;
   /// One unit: at most about 100 ms of work on one core; a band of rows of the pass. Cancelled through `progress` it leaves what was done.
   void advance(Progress&);
   double done() const;  ///< 0 to 1
   /// Whole passes so far; the images are consistent. Null before the first pass is complete.
+  /// After a resume from a file that was stored in the middle of a pass, receivers differ by one pass in their sample count until that one is complete.
   std::shared_ptr<const ReferenceResult> result() const;
   void store() const;   ///< to the disk cache, atomically
  private:

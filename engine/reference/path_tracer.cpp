@@ -1,0 +1,208 @@
+#include "engine/reference/path_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hl {
+namespace {
+
+using shared::Hit;
+using shared::Ray;
+
+// How much of the way to a light a shadow ray leaves out, so that the light's own surface does not shadow it.
+constexpr float kShadowGap = 1e-5f;
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+bool finite(vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+float largest(vec3 v) { return std::max(v.x, std::max(v.y, v.z)); }
+
+Ray rayFrom(vec3 origin, vec3 direction, float tMax = kFar) { return Ray{origin, 0.0f, direction, tMax}; }
+
+/// Density of the cosine-distributed direction that continues a path.
+float cosinePdf(const ShadingPoint& p, vec3 direction) {
+  return std::max(0.0f, glm::dot(p.normal, direction)) / kPi;
+}
+
+bool above(const ShadingPoint& p, vec3 direction) {
+  return glm::dot(p.normal, direction) > 0 && glm::dot(p.geometricNormal, direction) > 0;
+}
+
+}  // namespace
+
+PathTracer::PathTracer(const EmbreeScene& embree, const ReferenceSettings& settings)
+    : embree_(embree),
+      scene_(embree.scene()),
+      emitters_(scene_),
+      frontFacesOnly_(settings.frontFacesOnly),
+      mapped_(settings.receiver == ReceiverNormal::Mapped),
+      maxBounces_(settings.maxBounces) {
+  Bounds bounds;
+  for (const uvec3& t : scene_.indices)
+    for (const uint32_t v : {t.x, t.y, t.z}) bounds.extend(scene_.positions[v]);
+  if (!bounds.empty()) {
+    const float extent =
+        std::max(bounds.diagonal(), largest(glm::max(glm::abs(bounds.min), glm::abs(bounds.max))));
+    hitOffset_ = kHitRayOffset * extent;
+    receiverOffset_ = kReceiverRayOffset * extent;
+  }
+  for (const PointLight& l : scene_.pointLights) {
+    Lamp lamp;
+    lamp.position = l.position, lamp.intensity = l.intensity;
+    lamps_.push_back(lamp);
+  }
+  for (const SpotLight& l : scene_.spotLights) {
+    Lamp lamp;
+    lamp.position = l.position, lamp.direction = glm::normalize(l.direction), lamp.intensity = l.intensity;
+    lamp.cosInner = std::cos(l.innerAngle), lamp.cosOuter = std::cos(l.outerAngle);
+    lamps_.push_back(lamp);
+  }
+  for (const DirectionalLight& l : scene_.directionalLights) {
+    Lamp lamp;
+    lamp.direction = glm::normalize(l.direction), lamp.intensity = l.irradiance;
+    lamp.directional = true;
+    lamps_.push_back(lamp);
+  }
+}
+
+bool PathTracer::receives(const Receiver& r) const {
+  if (r.geometricNormal == vec3(0.0f)) return false;
+  return !r.backFace || (r.twoSided && !frontFacesOnly_);
+}
+
+ShadingPoint PathTracer::shadingPoint(const Receiver& r) const {
+  ShadingPoint p;
+  p.geometricNormal = r.geometricNormal;
+  p.normal = mapped_ ? r.mappedNormal : r.geometricNormal;
+  p.origin = r.position + r.geometricNormal * receiverOffset_;
+  return p;
+}
+
+vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const {
+  vec3 sum(0.0f);
+  for (const Lamp& lamp : lamps_) {
+    vec3 to = -lamp.direction;
+    float distance = kFar, falloff = 1;
+    if (!lamp.directional) {
+      to = lamp.position - p.origin;
+      distance = glm::length(to);
+      to /= distance;
+      falloff = 1 / (distance * distance);
+      if (lamp.cosOuter > -2)
+        falloff *= shared::spotFalloff(-glm::dot(to, lamp.direction), lamp.cosInner, lamp.cosOuter);
+    }
+    if (!above(p, to) || falloff == 0) continue;
+    const vec3 e = lamp.intensity * (falloff * glm::dot(p.normal, to));
+    if (!finite(e)) {
+      ++counters.nonFinite;
+      continue;
+    }
+    ++counters.rays;
+    if (!embree_.occluded(rayFrom(p.origin, to, distance * (1 - kShadowGap)))) sum += e;
+  }
+  return sum;
+}
+
+vec3 PathTracer::sampledEmitter(const ShadingPoint& p, vec2 pointU, float choiceU, PathCounters& counters) const {
+  const uint32_t i = emitters_.choose(choiceU);
+  if (i == kNone) return vec3(0.0f);
+  const Emitter& e = emitters_[i];
+  if (glm::dot(p.origin - e.p0, e.normal) <= 0) return vec3(0.0f);
+  const shared::TriangleSample s = shared::sampleTriangleLight(p.origin, e.p0, e.p1, e.p2, pointU);
+  if (!(s.pdf > 0) || !above(p, s.direction)) return vec3(0.0f);
+  const float pdf = e.probability * s.pdf;
+  const float cosine = glm::dot(p.normal, s.direction);
+  ++counters.rays;
+  if (embree_.occluded(rayFrom(p.origin, s.direction, s.distance * (1 - kShadowGap) - hitOffset_))) return vec3(0.0f);
+  return e.emission * (cosine / pdf * shared::powerHeuristic(pdf, cosine / kPi));
+}
+
+vec3 PathTracer::foundEmission(const ShadingPoint& from, const Hit& hit, vec3 direction) const {
+  const uint32_t i = emitters_.ofTriangle(hit.primitive);
+  if (i == kNone) return vec3(0.0f);
+  const Emitter& e = emitters_[i];
+  if (glm::dot(direction, e.normal) >= 0) return vec3(0.0f);
+  float lightPdf = 0;
+  if (e.probability > 0)
+    lightPdf = e.probability * shared::triangleLightPdf(from.origin, e.p0, e.p1, e.p2, direction, hit.t);
+  return e.emission * shared::powerHeuristic(cosinePdf(from, direction), lightPdf);
+}
+
+vec3 PathTracer::extended(const ShadingPoint& p, PathSampler& sampler, PathCounters& counters) const {
+  vec3 sum(0.0f);
+  if (emitters_.any())
+    sum += sampledEmitter(p, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
+                          counters);
+  const vec3 direction = shared::fromLocal(
+      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), p.normal);
+  if (above(p, direction)) {
+    ++counters.rays;
+    const Hit hit = embree_.closest(rayFrom(p.origin, direction));
+    sum += kPi * (hit.primitive == shared::kMiss ? scene_.sky : foundEmission(p, hit, direction));
+  }
+  if (finite(sum)) return sum;
+  ++counters.nonFinite;
+  return vec3(0.0f);
+}
+
+void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, BounceSample& sum,
+                          PathCounters& counters) const {
+  ++counters.paths;
+  if (maxBounces_ <= 0) return;
+  const auto add = [&](size_t bucket, vec3 value) {
+    if (finite(value))
+      sum[bucket] += value;
+    else
+      ++counters.nonFinite;
+  };
+  vec3 direction = shared::fromLocal(
+      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), receiver.normal);
+  if (!above(receiver, direction)) return;
+  ++counters.rays;
+  Hit hit = embree_.closest(rayFrom(receiver.origin, direction));
+  vec3 throughput(kPi);  // of radiance along `direction`, towards the receiver's irradiance
+  for (int bounce = 0; hit.primitive != shared::kMiss; ++bounce) {
+    const Surface y = surfaceAt(scene_, hit, direction, mapped_);
+    if (y.backFace && (!y.twoSided || frontFacesOnly_)) {
+      ++counters.backFaceHits;
+      return;
+    }
+    throughput *= y.albedo;
+    if (!(largest(throughput) > 0)) return;
+    const size_t bucket = static_cast<size_t>(std::min(bounce, kBounceBuckets - 1));
+    const uint32_t dimension = static_cast<uint32_t>(bounce) + 1;
+    const ShadingPoint p{y.position + y.geometricNormal * hitOffset_, y.normal, y.geometricNormal};
+
+    // Light that reaches y without a further bounce.
+    const vec2 choices = sampler.next(dimension, SamplePurpose::Choices);
+    if (!lamps_.empty()) add(bucket, throughput * punctual(p, counters) / kPi);
+    if (emitters_.any()) {
+      const vec2 u = sampler.next(dimension, SamplePurpose::LightPoint);
+      add(bucket, throughput * sampledEmitter(p, u, choices.x, counters) / kPi);
+    }
+
+    const bool last = bounce + 1 >= maxBounces_;
+    if (last && !hasExtendedLight()) return;
+    // Up to the last bucket of its own no path ends by chance, so that no bucket pays for another's speed.
+    if (bounce + 1 >= kBounceBuckets && !last) {
+      const float survival = std::min(largest(y.albedo), kMaxAlbedo);
+      if (choices.y >= survival) return;
+      throughput /= survival;
+    }
+    direction = shared::fromLocal(
+        shared::sampleCosineHemisphere(sampler.next(dimension, SamplePurpose::Direction)), p.normal);
+    if (!above(p, direction)) return;
+    ++counters.rays;
+    hit = embree_.closest(rayFrom(p.origin, direction));
+    // Emission that this ray finds, and the sky where it finds nothing, are direct light at y too.
+    if (hit.primitive == shared::kMiss) {
+      add(bucket, throughput * scene_.sky);
+      return;
+    }
+    if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, hit, direction));
+    if (last) return;
+  }
+}
+
+}  // namespace hl

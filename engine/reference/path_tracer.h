@@ -1,0 +1,69 @@
+#pragma once
+// Single random samples of the light that reaches a receiver: the estimators of the reference, without its bookkeeping.
+#include <array>
+#include <memory>
+
+#include "engine/reference/emitters.h"
+#include "engine/reference/path_sampler.h"
+#include "engine/reference/reference.h"
+#include "engine/reference/surface.h"
+
+namespace hl {
+
+/// Rays start this far in front of the surface, as a share of the scene's extent (the larger of its diagonal and its largest coordinate): more than a
+/// hit point is off through rounding, less than anything that could be modelled.
+inline constexpr float kHitRayOffset = 4e-6f;
+/// The same for receivers that a rasteriser interpolated.
+inline constexpr float kReceiverRayOffset = 2e-5f;
+
+/// A point that light arrives at.
+struct ShadingPoint {
+  vec3 origin{0.0f};           ///< where its rays start
+  vec3 normal{0.0f};           ///< that incoming light is weighed with
+  vec3 geometricNormal{0.0f};  ///< light from below it does not arrive
+};
+
+/// Irradiance of one path by bounce, as in ReferenceResult.
+using BounceSample = std::array<vec3, kBounceBuckets>;
+
+struct PathCounters {
+  uint64_t backFaceHits = 0, nonFinite = 0, paths = 0, rays = 0;
+};
+
+class PathTracer {
+ public:
+  PathTracer(const EmbreeScene&, const ReferenceSettings&);
+
+  /// False where the receiver gets nothing by definition: no surface, or a side that does not count.
+  bool receives(const Receiver&) const;
+  ShadingPoint shadingPoint(const Receiver&) const;
+
+  /// One path's estimate of indirect irradiance, added to `sum`. `sampler` has begun its sample.
+  void indirect(const ShadingPoint&, PathSampler& sampler, BounceSample& sum, PathCounters&) const;
+  /// Irradiance from punctual lights, without noise.
+  vec3 punctual(const ShadingPoint&, PathCounters&) const;
+  /// One estimate of direct irradiance from emissive surfaces and the sky.
+  vec3 extended(const ShadingPoint&, PathSampler& sampler, PathCounters&) const;
+  /// Whether `extended` is more than 0 anywhere.
+  bool hasExtendedLight() const { return !emitters_.empty() || scene_.sky != vec3(0.0f); }
+
+ private:
+  struct Lamp {
+    vec3 position{0.0f}, direction{0.0f}, intensity{0.0f};
+    float cosInner = -2, cosOuter = -2;
+    bool directional = false;
+  };
+  vec3 sampledEmitter(const ShadingPoint&, vec2 pointU, float choiceU, PathCounters&) const;
+  /// Radiance that the hit triangle sends back along the ray, weighed against light sampling.
+  vec3 foundEmission(const ShadingPoint& from, const shared::Hit&, vec3 direction) const;
+
+  const EmbreeScene& embree_;
+  const Scene& scene_;
+  Emitters emitters_;
+  std::vector<Lamp> lamps_;
+  bool frontFacesOnly_, mapped_;
+  int maxBounces_;
+  float hitOffset_ = 0, receiverOffset_ = 0;
+};
+
+}  // namespace hl

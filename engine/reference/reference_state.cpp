@@ -1,0 +1,151 @@
+#include "engine/reference/reference_state.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "engine/core/error.h"
+#include "engine/core/files.h"
+#include "engine/core/hash.h"
+#include "engine/core/log.h"
+
+namespace hl {
+namespace {
+
+constexpr std::string_view kMagic = "halflight reference 1\n";
+constexpr size_t kHashDigits = 32;
+constexpr const char* kExtension = ".reference";
+
+struct Header {
+  uint32_t receivers, buckets;
+  ReferenceCount now, next;
+  uint64_t backFaceHits, nonFinite, paths, rays;
+};
+
+template <class T>
+void append(std::string& bytes, const T* data, size_t count) {
+  bytes.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+}
+
+size_t payloadBytes(uint64_t receivers, uint64_t buckets) {
+  return sizeof(Header) + receivers * ((2 * buckets + 3) * sizeof(vec3) + 1);
+}
+
+/// @throws Error(BadInput) with what is wrong with the file.
+ReferenceState parse(std::string_view bytes, uint32_t receivers, uint32_t buckets) {
+  const size_t expected = kMagic.size() + kHashDigits + payloadBytes(receivers, buckets);
+  if (!bytes.starts_with(kMagic)) throw badInput("it is no reference of this version");
+  if (bytes.size() != expected) throw badInput(fmt::format("it has {} bytes in place of {}", bytes.size(), expected));
+  const std::string_view hash = bytes.substr(kMagic.size(), kHashDigits);
+  const std::string_view payload = bytes.substr(kMagic.size() + kHashDigits);
+  if (hashOf(payload) != hash) throw badInput("its content does not match its checksum");
+  Header h;
+  std::memcpy(&h, payload.data(), sizeof h);
+  if (h.receivers != receivers || h.buckets != buckets ) throw badInput("it belongs to other receivers");
+  ReferenceState s(receivers, buckets);
+  s.now = h.now, s.next = h.next;
+  s.backFaceHits = h.backFaceHits, s.nonFinite = h.nonFinite, s.paths = h.paths, s.rays = h.rays;
+  const char* at = payload.data() + sizeof h;
+  const auto take = [&at](std::vector<vec3>& v) {
+    std::memcpy(v.data(), at, v.size() * sizeof(vec3));
+    at += v.size() * sizeof(vec3);
+  };
+  for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.extended[half]);
+  take(s.punctual);
+  std::memcpy(s.ahead.data(), at, s.ahead.size());
+  return s;
+}
+
+void makeRoom(const std::filesystem::path& keep) {
+  namespace fs = std::filesystem;
+  struct Entry {
+    fs::path path;
+    uint64_t bytes;
+    fs::file_time_type time;
+  };
+  std::vector<Entry> entries;
+  uint64_t total = 0;
+  std::error_code ec;
+  for (const auto& e : fs::directory_iterator(keep.parent_path(), ec)) {
+    if (!e.is_regular_file(ec)) continue;
+    const uint64_t bytes = e.file_size(ec);
+    if (ec) continue;
+    total += bytes;
+    if (e.path() != keep && e.path().extension() == keep.extension())
+      entries.push_back({e.path(), bytes, e.last_write_time(ec)});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.time < b.time; });
+  for (const Entry& e : entries) {
+    if (total <= kReferenceCacheBytes) return;
+    if (fs::remove(e.path, ec)) total -= e.bytes;
+  }
+}
+
+}  // namespace
+
+ReferenceState::ReferenceState(uint32_t receiverCount, uint32_t bucketCount)
+    : receivers(receiverCount), buckets(bucketCount) {
+  for (int half = 0; half < 2; ++half) {
+    indirect[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
+    extended[half].assign(receivers, vec3(0.0f));
+  }
+  punctual.assign(receivers, vec3(0.0f));
+  ahead.assign(receivers, 0);
+}
+
+std::filesystem::path referenceCacheFile(const std::string& key, uint32_t samples) {
+  return cacheFolder() / "references" / fmt::format("{}_{}{}", key, samples, kExtension);
+}
+
+std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
+                                            uint32_t maxSamples) {
+  namespace fs = std::filesystem;
+  std::map<uint32_t, fs::path, std::greater<>> found;  // by samples, most first
+  std::error_code ec;
+  for (const auto& e : fs::directory_iterator(cacheFolder() / "references", ec)) {
+    const std::string stem = e.path().stem().string();
+    if (e.path().extension() != kExtension || !stem.starts_with(key + "_")) continue;
+    const std::string digits = stem.substr(key.size() + 1);
+    uint32_t samples = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), samples);
+    if (error == std::errc() && end == digits.data() + digits.size() && samples <= maxSamples)
+      found[samples] = e.path();
+  }
+  for (const auto& [samples, file] : found) {
+    try {
+      ReferenceState s = parse(readFile(file), receivers, buckets);
+      if (s.next.paths > maxSamples) throw badInput("it holds more samples than its name says");
+      fs::last_write_time(file, fs::file_time_type::clock::now(), ec);  // what was used last goes last
+      return s;
+    } catch (const Error& e) {
+      logWarning(fmt::format("cached reference {} is not used: {}", file.string(), e.what()));
+    }
+  }
+  return std::nullopt;
+}
+
+void storeReference(const std::string& key, const ReferenceState& s) {
+  const Header h{s.receivers, s.buckets, s.now, s.next, s.backFaceHits, s.nonFinite, s.paths, s.rays};
+  std::string bytes;
+  bytes.reserve(kMagic.size() + kHashDigits + payloadBytes(s.receivers, s.buckets));
+  bytes.append(kMagic).append(kHashDigits, '0');
+  append(bytes, &h, 1);
+  for (int half = 0; half < 2; ++half) {
+    append(bytes, s.indirect[half].data(), s.indirect[half].size());
+    append(bytes, s.extended[half].data(), s.extended[half].size());
+  }
+  append(bytes, s.punctual.data(), s.punctual.size());
+  append(bytes, s.ahead.data(), s.ahead.size());
+  const std::string hash = hashOf(std::string_view(bytes).substr(kMagic.size() + kHashDigits));
+  bytes.replace(kMagic.size(), kHashDigits, hash);
+  const std::filesystem::path file = referenceCacheFile(key, s.next.paths);
+  std::error_code ec;
+  std::filesystem::create_directories(file.parent_path(), ec);
+  writeFileAtomically(file, bytes);
+  makeRoom(file);
+}
+
+}  // namespace hl

@@ -1,0 +1,49 @@
+#pragma once
+// What a run of the reference has summed up so far, and its file.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/math.h"
+
+namespace hl {
+
+/// How far a receiver is: samples in each of its two halves.
+struct ReferenceCount {
+  uint32_t paths = 0;
+  uint32_t direct = 0;  ///< samples of emissive surfaces and the sky
+  bool operator==(const ReferenceCount&) const = default;
+};
+
+/// Sums over samples, by receiver, both halves apart. Every receiver is at `now`, or, where `ahead` is set, already at `next`: so a pass that was
+/// stopped half-way is neither lost nor done twice.
+struct ReferenceState {
+  uint32_t receivers = 0;
+  uint32_t buckets = 0;  ///< kept a receiver
+  ReferenceCount now, next;
+  uint64_t backFaceHits = 0, nonFinite = 0, paths = 0, rays = 0;
+  std::vector<vec3> indirect[2];  ///< receivers * buckets, a receiver's buckets together
+  std::vector<vec3> extended[2];  ///< receivers: from emissive surfaces and the sky
+  std::vector<vec3> punctual;     ///< receivers: exact, not a sum
+  std::vector<uint8_t> ahead;     ///< receivers
+
+  ReferenceState() = default;
+  ReferenceState(uint32_t receiverCount, uint32_t bucketCount);
+};
+
+/// Where a state of `key` with `samples` paths a half (once its pass is complete) is kept.
+std::filesystem::path referenceCacheFile(const std::string& key, uint32_t samples);
+
+/// The furthest state stored under `key` with at most `maxSamples` paths a half, or nothing. A file that is cut off, altered or of another shape is
+/// passed over with a warning.
+std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
+                                            uint32_t maxSamples);
+
+/// Atomically. The oldest other references go where the folder would hold more than kReferenceCacheBytes.
+/// @throws Error(Run) where the file cannot be written.
+void storeReference(const std::string& key, const ReferenceState&);
+inline constexpr uint64_t kReferenceCacheBytes = uint64_t{4} << 30;
+
+}  // namespace hl
