@@ -2,7 +2,10 @@
 // HL_ALPHA (1: the scene has alpha-tested triangles).
 #include "shaders/shared/ray.h"
 #if HL_ALPHA
-#include "shaders/shared/scene_types.h"
+#define HL_SCENE_UVS
+#define HL_SCENE_MATERIALS
+#define HL_SCENE_TEXTURES
+#include "shaders/scene.glsl"
 #endif
 
 layout(local_size_x = 64) in;
@@ -18,14 +21,6 @@ layout(scalar) writeonly buffer result_block { uint result[]; };
 #else
 layout(scalar) writeonly buffer result_block { Hit result[]; };
 #endif
-#if HL_ALPHA
-layout(scalar) readonly buffer uvs_block { vec2 uvs[]; };
-layout(scalar) readonly buffer indices_block { uvec3 indices[]; };
-layout(scalar) readonly buffer material_ids_block { uint materialIds[]; };
-layout(scalar) readonly buffer materials_block { GpuMaterial materials[]; };
-uniform sampler2DArray textures;
-#endif
-
 layout(push_constant, scalar) uniform Constants { uint rayCount; };
 
 const uint kLeafBit = 0x80000000u;
@@ -39,15 +34,6 @@ const float kMinDirection = 1e-12;
 const float kSlabSlack = 1.0 + 6.0 * 1.1920929e-7;
 
 float safeInverse(float d) { return 1.0 / (abs(d) < kMinDirection ? (d < 0.0 ? -kMinDirection : kMinDirection) : d); }
-
-#if HL_ALPHA
-bool opaqueAt(uint triangle, float u, float v) {
-  GpuMaterial m = materials[materialIds[triangle]];
-  uvec3 i = indices[triangle];
-  vec2 uv = (1.0 - u - v) * uvs[i.x] + u * uvs[i.y] + v * uvs[i.z];
-  return textureLod(textures, vec3(uv, float(m.albedoTexture)), 0.0).a >= m.alphaCutoff;
-}
-#endif
 
 /// The signed volumes of the ray with the triangle's edges decide, so that neighbours share one verdict on their common edge: nothing slips
 /// through between them. Distances come from the plane. Contraction into fused operations would break the symmetry: hence `precise`.
@@ -76,7 +62,7 @@ bool hitTriangle(int index, Ray ray, float tMax, out Hit hit) {
   hit.u = clamp(volumeB * scale, 0.0, 1.0);
   hit.v = clamp(volumeC * scale, 0.0, 1.0);
 #if HL_ALPHA
-  if (texel1.w != 0.0 && !opaqueAt(hit.primitive, hit.u, hit.v)) return false;
+  if (texel1.w != 0.0 && !materialOpaque(fetchMaterial(hit.primitive), fetchUv(hit.primitive, vec2(hit.u, hit.v)))) return false;
 #endif
   return true;
 }
