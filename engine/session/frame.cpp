@@ -81,7 +81,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   s.nonFinite = counters[0], s.negative = counters[1];
 
   if (s.pickPixel) {
-    s.pickReport = s.technique->pick(pickedPoint(s.device, s.gbuffer, s.pickPixel->first, s.pickPixel->second));
+    s.picked = pickedPoint(s.device, s.gbuffer, s.pickPixel->first, s.pickPixel->second);
+    s.pickReport = s.held || s.techniqueStale ? PickReport{} : s.technique->pick(s.picked);
     s.pickPixel.reset();
   }
   if (s.referenceWanted && !s.referenceStopped && !s.full.tracer) s.startReferences();
@@ -152,6 +153,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.provenance = provenance();
   r.message = s.message;
   r.pick = s.pickReport;
+  r.picked = s.picked;
   r.scene = s.summary;
   r.features = s.features;
   r.triangles = s.scene->triangles();

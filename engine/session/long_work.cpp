@@ -178,7 +178,7 @@ std::shared_ptr<const ReferenceResult> Session::reference(const std::string& tar
     throw badInput(fmt::format("technique '{}' has no lightmap, so there is no lightmap reference", s.preset.technique));
   ReferenceRun& run = s.lightmapRun;
   if (!run.tracer) {
-    run.tracer = std::make_unique<ReferenceTracer>(s.embree, receiversFromLumels(s.atlas->lumels, s.scene->bounds),
+    run.tracer = std::make_unique<ReferenceTracer>(s.embree, receiversFromLumels(s.atlas->lumels),
                                                    static_cast<int>(s.atlas->lumels.size()), 1, s.referenceSettings(true), s.pool);
     run.tracer->resume();
   }

@@ -75,6 +75,7 @@ struct FrameResult {
   Provenance provenance;
   std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""
   PickReport pick;
+  PickedPoint picked;                ///< of the last pick(); `triangle` is kNone where the pixel shows no surface
   std::shared_ptr<const Scene> scene;  ///< names, materials, lights, cameras, regions, bounds and report; geometry and textures left out
   SceneFeatures features;
   uint64_t triangles = 0;

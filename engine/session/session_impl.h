@@ -74,6 +74,7 @@ struct Session::Impl {
   uint32_t nonFinite = 0, negative = 0;
   std::optional<std::pair<int, int>> pickPixel;
   PickReport pickReport;
+  PickedPoint picked;
 
   ReferenceRun full, matched, lightmapRun;
   std::vector<ErrorValue> errors;
