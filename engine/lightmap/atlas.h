@@ -30,6 +30,8 @@ struct Lumel {
 struct AtlasReport {
   bool ownCharts = false;        ///< false: the mesh's UV set serves
   uint32_t charts = 0;
+  int margin = 0;                ///< texels kept free round own charts: less than asked where that cost too much density
+  uint64_t droppedCharts = 0;    ///< own charts for which no texel was left (the resolution is too small)
   uint64_t coveredTexels = 0, validTexels = 0, overlappingTexels = 0, insideTexels = 0;
   double coverage = 0;           ///< covered / all
   double densityMean = 0, densitySpread = 0;  ///< texels per metre: mean and relative standard deviation over triangles
@@ -39,6 +41,7 @@ struct AtlasReport {
 struct Atlas {
   int resolution = 0;
   std::vector<vec2> cornerUvs;        ///< 3 a triangle, in [0, 1]; corner c of triangle t at 3 t + c
+  std::vector<uint32_t> charts;       ///< one a triangle: triangles joined in the lightmap; a look-up must not mix texels of two charts
   std::vector<Lumel> lumels;          ///< valid texels only, in texel order
   std::vector<uint32_t> lumelOfTexel; ///< resolution^2: index into lumels, or kNone
   std::vector<uint8_t> texelState;    ///< resolution^2: TexelState, for the validity view

@@ -1,0 +1,46 @@
+#include "engine/lightmap/inside.h"
+
+#include "shaders/shared/sampling.h"
+
+namespace hl {
+namespace {
+constexpr size_t kGrain = 256;  ///< texels a piece: batches of 8192 rays
+}
+
+std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)> insideTest(const Scene& scene, TaskPool& pool, float offset,
+                                                                                        CastClosest cast) {
+  return [&scene, &pool, offset, cast = std::move(cast)](const std::vector<Lumel>& lumels, std::vector<uint8_t>& inside) {
+    inside.assign(lumels.size(), 0);
+    pool.parallelFor(lumels.size(), kGrain, [&](size_t begin, size_t end, unsigned) {
+      std::vector<shared::Ray> rays((end - begin) * kInsideRays);
+      std::vector<shared::Hit> hits(rays.size());
+      for (size_t i = begin; i < end; ++i) {
+        const Lumel& l = lumels[i];
+        // Shifted by a hash of the texel: the same few directions everywhere would all miss the same narrow openings.
+        const glm::uvec2 shift(shared::pcgHash(l.texel), shared::pcgHash(l.texel ^ 0x9e3779b9u));
+        for (uint32_t k = 0; k < kInsideRays; ++k) {
+          shared::Ray& ray = rays[(i - begin) * kInsideRays + k];
+          ray.origin = l.position + l.normal * offset;
+          ray.direction = shared::fromLocal(shared::sampleCosineHemisphere(shared::r2Point(k, shift)), l.normal);
+          ray.tMin = 0;
+          ray.tMax = 3.4e38f;
+        }
+      }
+      cast(rays, hits);
+      for (size_t i = begin; i < end; ++i) {
+        int backs = 0;
+        for (size_t k = 0; k < kInsideRays; ++k) {
+          const shared::Hit& hit = hits[(i - begin) * kInsideRays + k];
+          if (hit.primitive == shared::kMiss) continue;
+          if (scene.materials[scene.materialIds[hit.primitive]].twoSided) continue;
+          const uvec3 t = scene.indices[hit.primitive];
+          const vec3 normal = glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
+          backs += glm::dot(normal, rays[(i - begin) * kInsideRays + k].direction) > 0;
+        }
+        inside[i] = static_cast<float>(backs) > kInsideBackShare * kInsideRays;
+      }
+    });
+  };
+}
+
+}  // namespace hl
