@@ -1,0 +1,192 @@
+// The estimate free of the reference's variance, its floor, and the standard error: checked on synthetic noise over
+// many seeds.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "engine/metrics/block_mean.h"
+#include "engine/metrics/metrics.h"
+
+namespace hl {
+namespace {
+
+constexpr int kWidth = 64, kHeight = 48;
+constexpr float kTruth = 2.0f;
+constexpr float kOffset = 0.05f;    // what the value is wrong by
+constexpr float kHalfSigma = 0.4f;  // of each half
+constexpr double kTrueMse = kOffset * kOffset;
+constexpr double kReferenceVariance = kHalfSigma * kHalfSigma / 2;  // of the mean of two halves
+constexpr int kSeeds = 200;
+
+Image noisy(float mean, float sigma, std::mt19937& random) {
+  Image image(kWidth, kHeight, 3);
+  std::normal_distribution<float> noise(mean, sigma);
+  for (float& value : image.data) value = noise(random);
+  return image;
+}
+
+ReferenceImage noisyReference(std::mt19937& random) {
+  ReferenceImage reference{{}, noisy(kTruth, kHalfSigma, random), noisy(kTruth, kHalfSigma, random)};
+  reference.mean = reference.halfA;
+  for (size_t i = 0; i < reference.mean.data.size(); ++i)
+    reference.mean.data[i] = 0.5f * (reference.halfA.data[i] + reference.halfB.data[i]);
+  return reference;
+}
+
+struct Statistics {
+  double sum = 0, squares = 0;
+  int count = 0;
+  void add(double x) { sum += x, squares += x * x, ++count; }
+  double mean() const { return sum / count; }
+  double deviation() const { return std::sqrt((squares / count - mean() * mean()) * count / (count - 1)); }
+  double errorOfMean() const { return deviation() / std::sqrt(count); }
+};
+
+TEST(NoiseFloor, HalvesTakeTheReferencesVarianceOut) {
+  Image value(kWidth, kHeight, 3);
+  for (float& x : value.data) x = kTruth + kOffset;
+  Statistics unbiased, naive, floor, claimed;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937 random(seed);
+    const ReferenceImage reference = noisyReference(random);
+    const MetricResult result = measure("mse", value, reference);
+    unbiased.add(result.value);
+    floor.add(result.noiseFloor);
+    claimed.add(result.standardError);
+    naive.add(measure("mse", value, {reference.mean, {}, {}}).value);
+  }
+  EXPECT_NEAR(unbiased.mean(), kTrueMse, 4 * unbiased.errorOfMean());
+  EXPECT_NEAR(naive.mean(), kTrueMse + kReferenceVariance, 4 * naive.errorOfMean());
+  EXPECT_NEAR(floor.mean(), kReferenceVariance, 4 * floor.errorOfMean());
+  // So that the first line can fail: the variance it leaves out is many of its errors.
+  EXPECT_GT(kReferenceVariance, 50 * unbiased.errorOfMean());
+  // The standard error of one run is the spread over runs.
+  EXPECT_NEAR(claimed.mean() / unbiased.deviation(), 1, 0.2);
+}
+
+TEST(NoiseFloor, RelmseAndItsFloorShareTheDenominator) {
+  Image value(kWidth, kHeight, 3);
+  for (float& x : value.data) x = kTruth + kOffset;
+  std::mt19937 random(1);
+  ReferenceImage reference = noisyReference(random);
+  for (float& x : reference.mean.data) x = kTruth;  // a denominator without noise
+  const double denominator = kTruth * kTruth * (1 + 0.01 * 0.01);
+  const MetricResult relmse = measure("relmse", value, reference), mse = measure("mse", value, reference);
+  EXPECT_NEAR(relmse.value * denominator, mse.value, 1e-6 * kTrueMse);
+  EXPECT_NEAR(relmse.noiseFloor * denominator, mse.noiseFloor, 1e-6);
+  EXPECT_NEAR(relmse.standardError * denominator, mse.standardError, 1e-6);
+}
+
+TEST(NoiseFloor, FollowsTheMetricsUnit) {
+  std::mt19937 random(2);
+  const Image value = noisy(kTruth, 0.3f, random);
+  const ReferenceImage reference = noisyReference(random);
+  const MetricResult mse = measure("mse", value, reference), rmse = measure("rmse", value, reference),
+                     psnr = measure("psnr", value, reference);
+  EXPECT_NEAR(rmse.value * rmse.value, mse.value, 1e-12);
+  EXPECT_NEAR(rmse.noiseFloor * rmse.noiseFloor, mse.noiseFloor, 1e-12);
+  const double peak = psnr.peak * psnr.peak;
+  EXPECT_NEAR(peak / std::pow(10, psnr.value / 10), mse.value, 1e-9);
+  EXPECT_NEAR(peak / std::pow(10, psnr.noiseFloor / 10), mse.noiseFloor, 1e-9);
+  // First order: one standard error up in the square is one up in the root and one down in decibels.
+  const double step = mse.standardError / 100;
+  EXPECT_NEAR(rmse.standardError, 100 * (std::sqrt(mse.value + step) - std::sqrt(mse.value)),
+              1e-3 * rmse.standardError);
+  EXPECT_NEAR(psnr.standardError, 1000 * std::log10(1 + step / mse.value), 1e-3 * psnr.standardError);
+}
+
+TEST(NoiseFloor, MetricsThatAreNotSquaredSayNone) {
+  std::mt19937 random(3);
+  const Image value = noisy(kTruth, 0.3f, random);
+  const ReferenceImage reference = noisyReference(random);
+  for (const MetricInfo& info : metricInfos()) {
+    const MetricResult result = measure(info.id, value, reference);
+    EXPECT_EQ(info.squared, result.noiseFloor != 0) << info.id;
+    if (!info.squared) {
+      EXPECT_EQ(result.value, measure(info.id, value, {reference.mean, {}, {}}).value) << info.id;
+    }
+  }
+}
+
+TEST(NoiseFloor, AnErrorBelowTheNoiseIsNoneAndNotNan) {
+  // The value is the truth: about half of all seeds estimate a square below 0.
+  Image value(kWidth, kHeight, 3);
+  for (float& x : value.data) x = kTruth;
+  int below = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    const ReferenceImage reference = noisyReference(random);
+    const double mse = measure("mse", value, reference).value;
+    const MetricResult rmse = measure("rmse", value, reference), psnr = measure("psnr", value, reference);
+    EXPECT_FALSE(std::isnan(rmse.value) || std::isnan(psnr.value));
+    EXPECT_GT(rmse.standardError, 0);
+    if (mse >= 0) continue;
+    ++below;
+    EXPECT_EQ(rmse.value, 0);
+    EXPECT_EQ(psnr.value, std::numeric_limits<double>::infinity());
+  }
+  EXPECT_GT(below, 2);
+  EXPECT_LT(below, 18);
+}
+
+TEST(StandardError, IsTheSpreadOverSeedsOfIndependentNoise) {
+  Statistics means, claimed;
+  const std::vector<double> weights(kWidth * kHeight, 1.0);
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(1.0, 0.5);
+    std::vector<double> values(kWidth * kHeight);
+    for (double& x : values) x = noise(random);
+    const BlockMean result = blockMean(values, weights, kWidth, kHeight);
+    means.add(result.mean);
+    claimed.add(result.standardError);
+  }
+  EXPECT_NEAR(means.mean(), 1.0, 4 * means.errorOfMean());
+  EXPECT_NEAR(claimed.mean() / means.deviation(), 1, 0.2);
+}
+
+// Neighbours that share their error are one piece of evidence, not many: pixel by pixel the error would come out a
+// quarter as large.
+TEST(StandardError, SeesThatNeighboursAreNotIndependent) {
+  constexpr int kTile = 4, kEdge = 128;
+  Statistics means, claimed, pixelByPixel;
+  const std::vector<double> weights(kEdge * kEdge, 1.0);
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(1.0, 0.5);
+    std::vector<double> values(kEdge * kEdge);
+    Statistics pixels;
+    for (int y = 0; y < kEdge; y += kTile)
+      for (int x = 0; x < kEdge; x += kTile) {
+        const double shared = noise(random);
+        for (int i = 0; i < kTile * kTile; ++i) {
+          values[static_cast<size_t>((y + i / kTile) * kEdge + x + i % kTile)] = shared;
+          pixels.add(shared);
+        }
+      }
+    const BlockMean result = blockMean(values, weights, kEdge, kEdge);
+    means.add(result.mean);
+    claimed.add(result.standardError);
+    pixelByPixel.add(pixels.errorOfMean());
+  }
+  EXPECT_NEAR(claimed.mean() / means.deviation(), 1, 0.25);
+  EXPECT_LT(pixelByPixel.mean() / means.deviation(), 0.4);
+}
+
+TEST(StandardError, OfFewPixelsUsesSmallerBlocks) {
+  std::vector<double> values(8 * 8), weights(8 * 8, 1.0);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i % 5);
+  const BlockMean small = blockMean(values, weights, 8, 8);
+  EXPECT_GT(small.standardError, 0);
+  EXPECT_TRUE(std::isfinite(small.standardError));
+  std::fill(weights.begin(), weights.end(), 0.0);
+  weights[9] = 2;
+  const BlockMean one = blockMean(values, weights, 8, 8);
+  EXPECT_EQ(one.mean, values[9]);
+  EXPECT_EQ(one.standardError, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace hl
