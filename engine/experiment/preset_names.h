@@ -1,0 +1,16 @@
+#pragma once
+// How a preset spells what is an enum or a float in memory, and its limits.
+#include <string>
+
+namespace hl {
+
+inline constexpr int kMaxPresetSide = 8192;  ///< pixels; the session's limit
+inline constexpr int kMaxExposure = 64;      ///< stops
+
+/// In the order of ToneMap.
+inline constexpr const char* kToneMapNames[] = {"linear", "aces", "reinhard"};
+
+/// The shortest text that reads back as the same float.
+std::string shortestText(float);
+
+}  // namespace hl

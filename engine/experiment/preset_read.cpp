@@ -1,0 +1,217 @@
+// Presets from JSON: strict where the version is ours, tolerant with a warning where it is newer.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/core/error.h"
+#include "engine/core/files.h"
+#include "engine/experiment/json_reader.h"
+#include "engine/experiment/preset.h"
+#include "engine/experiment/preset_migration.h"
+#include "engine/experiment/preset_names.h"
+#include "engine/experiment/preset_parameters.h"
+#include "engine/techniques/technique.h"
+
+namespace hl {
+namespace {
+
+/// Reads one document; knows whether unknown things are errors or warnings.
+class PresetReader {
+ public:
+  PresetReader(Preset& preset, bool newer) : preset_(preset), newer_(newer) {}
+
+  void read(const JsonReader& root) {
+    known(root, {"version", "scene", "camera", "lights", "resolution", "seed", "technique", "parameters", "display"});
+    preset_.scene = root.at("scene").text();
+    if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
+    if (root.has("camera")) readCamera(root.at("camera"));
+    if (root.has("lights")) readLights(root.at("lights"));
+    if (root.has("resolution")) readResolution(root.at("resolution"));
+    if (root.has("seed")) preset_.seed = static_cast<uint32_t>(root.at("seed").whole(0, 0xffffffffLL));
+    if (root.has("technique")) readTechnique(root.at("technique"));
+    if (root.has("parameters")) readParameters(root.at("parameters"));
+    if (root.has("display")) readDisplay(root.at("display"));
+  }
+
+ private:
+  /// An unknown key is a spelling mistake in a preset of our version, and a thing we cannot know in a newer one.
+  void known(const JsonReader& object, const std::vector<std::string>& keys) {
+    for (const std::string& key : object.unknownKeys(keys)) {
+      const std::string near = nearest(key, keys);
+      const Error error = object.refused(fmt::format("unknown key \"{}\"; {}", key,
+                                                     near.empty() ? fmt::format("there are {}", fmt::join(keys, ", "))
+                                                                  : fmt::format("did you mean \"{}\"?", near)));
+      if (!newer_) throw error;
+      preset_.warnings.push_back(object.refused(fmt::format("unknown key \"{}\" is passed over", key)).what());
+    }
+  }
+
+  void readCamera(const JsonReader& node) {
+    if (node.isText()) {
+      preset_.cameraName = node.text();
+      return;
+    }
+    if (!node.isObject())
+      throw node.refused(
+          "the name of one of the scene's cameras, or an object with position and target, is wanted, not " +
+          node.found());
+    known(node, {"name", "position", "target", "up", "vertical_fov"});
+    Camera camera;
+    if (node.has("name")) camera.name = node.at("name").text();
+    camera.position = node.at("position").vector();
+    camera.target = node.at("target").vector();
+    if (node.has("up")) camera.up = node.at("up").direction();
+    if (node.has("vertical_fov")) camera.verticalFov = node.at("vertical_fov").number(0.001f, 3.14f);
+    if (!(glm::length(camera.target - camera.position) > 0))
+      throw node.refused("position and target are the same point");
+    preset_.camera = camera;
+  }
+
+  void readLights(const JsonReader& node) {
+    known(node, {"point", "spot", "directional", "sky"});
+    LightEdits lights;
+    if (node.has("point"))
+      for (const JsonReader& n : node.at("point").elements("an array of point lights")) {
+        known(n, {"name", "position", "intensity"});
+        lights.points.push_back({nameOf(n), n.at("position").vector(), energy(n.at("intensity"))});
+      }
+    if (node.has("spot"))
+      for (const JsonReader& n : node.at("spot").elements("an array of spot lights")) {
+        known(n, {"name", "position", "direction", "intensity", "inner_angle", "outer_angle"});
+        SpotLight light{nameOf(n), n.at("position").vector(), unit(n.at("direction")), energy(n.at("intensity"))};
+        if (n.has("inner_angle")) light.innerAngle = n.at("inner_angle").number(0, kPi);
+        if (n.has("outer_angle")) light.outerAngle = n.at("outer_angle").number(0, kPi);
+        if (light.innerAngle > light.outerAngle) throw n.refused("inner_angle is larger than outer_angle");
+        lights.spots.push_back(light);
+      }
+    if (node.has("directional"))
+      for (const JsonReader& n : node.at("directional").elements("an array of directional lights")) {
+        known(n, {"name", "direction", "irradiance"});
+        lights.directionals.push_back({nameOf(n), unit(n.at("direction")), energy(n.at("irradiance"))});
+      }
+    if (node.has("sky")) lights.sky = energy(node.at("sky"));
+    preset_.lights = lights;
+  }
+
+  static std::string nameOf(const JsonReader& light) {
+    return light.has("name") ? light.at("name").text() : std::string();
+  }
+
+  /// A direction of unit length already stays as it is, to the bit: what was saved is what is loaded.
+  static vec3 unit(const JsonReader& node) {
+    const vec3 v = node.direction();
+    return std::abs(glm::dot(v, v) - 1.0f) < 1e-6f ? v : glm::normalize(v);
+  }
+
+  static vec3 energy(const JsonReader& node) {
+    const vec3 v = node.vector();
+    if (v.x < 0 || v.y < 0 || v.z < 0) throw node.refused("light cannot be negative");
+    return v;
+  }
+
+  void readResolution(const JsonReader& node) {
+    const std::vector<JsonReader> sides = node.elements("an array [width, height]");
+    if (sides.size() != 2)
+      throw node.refused(fmt::format("[width, height] is wanted, not an array of {}", sides.size()));
+    preset_.width = static_cast<int>(sides[0].whole(1, kMaxPresetSide));
+    preset_.height = static_cast<int>(sides[1].whole(1, kMaxPresetSide));
+  }
+
+  void readTechnique(const JsonReader& node) {
+    preset_.technique = node.text();
+    try {
+      techniqueInfo(preset_.technique);
+    } catch (const Error& e) {
+      if (!newer_) throw node.refused(e.what());
+      preset_.warnings.push_back(node.refused(fmt::format("{}; none is taken", e.what())).what());
+      preset_.technique = "none";
+    }
+  }
+
+  void readParameters(const JsonReader& node) {
+    node.wantObject();
+    const auto groups = parameterGroups(preset_.technique);
+    for (const auto& member : node.json().items()) {
+      try {
+        const ParamInfo* info = findParameter(groups, member.key());
+        if (!info) {
+          const std::string near = nearestParameter(groups, member.key());
+          throw node.refused(fmt::format("unknown parameter \"{}\" of technique {}{}", member.key(), preset_.technique,
+                                         near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+        }
+        preset_.parameters[member.key()] = parameterText(node.at(member.key()), *info);
+      } catch (const Error& e) {
+        if (!newer_) throw;
+        preset_.warnings.push_back(fmt::format("{}; passed over", e.what()));
+      }
+    }
+  }
+
+  static std::string parameterText(const JsonReader& node, const ParamInfo& info) {
+    std::string text;
+    switch (info.type) {
+      case ParamType::Bool:
+        return node.boolean() ? "true" : "false";
+      case ParamType::Float:
+        text = shortestText(node.number());
+        break;
+      case ParamType::Enum:
+        text = node.text();
+        break;
+      case ParamType::Int:
+        if (!node.json().is_number_integer())
+          throw node.refused(fmt::format("a whole number in {} is wanted, not {}", rangeText(info), node.found()));
+        text = node.json().dump();
+        break;
+    }
+    try {
+      return formatParam(info, parseParam(info, text));
+    } catch (const Error& e) {
+      throw node.refused(e.what());
+    }
+  }
+
+  void readDisplay(const JsonReader& node) {
+    known(node, {"exposure", "tone_map", "view", "show_invalid"});
+    Display& display = preset_.display;
+    if (node.has("exposure")) display.exposure = node.at("exposure").number(-kMaxExposure, kMaxExposure);
+    if (node.has("tone_map")) {
+      const JsonReader name = node.at("tone_map");
+      const auto found = std::find(std::begin(kToneMapNames), std::end(kToneMapNames), name.text());
+      if (found == std::end(kToneMapNames))
+        throw name.refused(fmt::format("one of {} is wanted, not {}", fmt::join(kToneMapNames, ", "), name.found()));
+      display.toneMap = static_cast<ToneMap>(found - std::begin(kToneMapNames));
+    }
+    if (node.has("view")) display.view = node.at("view").text();
+    if (node.has("show_invalid")) display.showInvalid = node.at("show_invalid").boolean();
+  }
+
+  Preset& preset_;
+  bool newer_;
+};
+
+}  // namespace
+
+Preset presetFromJson(const std::string& text, const std::string& whereFrom) {
+  nlohmann::json document = parseJson(text, whereFrom);
+  const JsonReader head(document, whereFrom);
+  const int64_t version = head.at("version").whole(1, 1'000'000);
+  Preset preset;
+  const bool newer = version > kPresetVersion;
+  if (newer)
+    preset.warnings.push_back(fmt::format("{}: version {} is newer than this program's ({}); what it knows is loaded",
+                                          whereFrom, version, kPresetVersion));
+  else
+    document =
+        migrated(std::move(document), static_cast<int>(version), kPresetVersion, presetMigrations(), preset.warnings);
+  PresetReader(preset, newer).read(JsonReader(document, whereFrom));
+  return preset;
+}
+
+Preset loadPreset(const std::filesystem::path& file) {
+  Preset preset = presetFromJson(readFile(file), file.string());
+  preset.file = file;
+  return preset;
+}
+
+}  // namespace hl

@@ -1,0 +1,195 @@
+// Presets to JSON, their identity, and where they are kept.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/error.h"
+#include "engine/core/files.h"
+#include "engine/core/hash.h"
+#include "engine/experiment/preset.h"
+#include "engine/experiment/preset_names.h"
+#include "engine/experiment/preset_parameters.h"
+
+namespace hl {
+
+std::string shortestText(float v) {
+  char text[48];
+  return std::string(text, std::to_chars(text, text + sizeof text, v).ptr);
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// 0.1f as 0.1, not 0.10000000149011612: the same float is read back.
+Json number(float v, const char* what) {
+  if (!std::isfinite(v)) throw badInput(fmt::format("{} is {}: a preset cannot hold it", what, v));
+  return Json::parse(shortestText(v));
+}
+
+Json vector(vec3 v, const char* what) { return Json::array({number(v.x, what), number(v.y, what), number(v.z, what)}); }
+
+Json cameraJson(const Camera& camera) {
+  Json out = Json::object();
+  if (!camera.name.empty()) out["name"] = camera.name;
+  out["position"] = vector(camera.position, "camera.position");
+  out["target"] = vector(camera.target, "camera.target");
+  out["up"] = vector(camera.up, "camera.up");
+  out["vertical_fov"] = number(camera.verticalFov, "camera.vertical_fov");
+  return out;
+}
+
+Json lightsJson(const LightEdits& lights) {
+  Json out = {{"point", Json::array()}, {"spot", Json::array()}, {"directional", Json::array()}};
+  for (const PointLight& l : lights.points)
+    out["point"].push_back({{"name", l.name},
+                            {"position", vector(l.position, "lights.point.position")},
+                            {"intensity", vector(l.intensity, "lights.point.intensity")}});
+  for (const SpotLight& l : lights.spots)
+    out["spot"].push_back({{"name", l.name},
+                           {"position", vector(l.position, "lights.spot.position")},
+                           {"direction", vector(l.direction, "lights.spot.direction")},
+                           {"intensity", vector(l.intensity, "lights.spot.intensity")},
+                           {"inner_angle", number(l.innerAngle, "lights.spot.inner_angle")},
+                           {"outer_angle", number(l.outerAngle, "lights.spot.outer_angle")}});
+  for (const DirectionalLight& l : lights.directionals)
+    out["directional"].push_back({{"name", l.name},
+                                  {"direction", vector(l.direction, "lights.directional.direction")},
+                                  {"irradiance", vector(l.irradiance, "lights.directional.irradiance")}});
+  out["sky"] = vector(lights.sky, "lights.sky");
+  return out;
+}
+
+Json parameterJson(const ParamInfo& info, const std::string& text) {
+  const ParamValue value = parseParam(info, text);
+  switch (info.type) {
+    case ParamType::Bool:
+      return std::get<int32_t>(value) != 0;
+    case ParamType::Int:
+      return std::get<int32_t>(value);
+    case ParamType::Float:
+      return number(std::get<float>(value), "parameter");
+    case ParamType::Enum:
+      return formatParam(info, value);
+  }
+  return nullptr;
+}
+
+Json parametersJson(const Preset& preset, bool resolved) {
+  const auto groups = parameterGroups(preset.technique);
+  const auto changed = canonicalParameters(preset.technique, preset.parameters);
+  Json out = Json::object();
+  for (const auto& [key, text] : changed)
+    if (!findParameter(groups, key))
+      throw badInput(fmt::format("unknown parameter \"{}\" of technique {}", key, preset.technique));
+  for (const auto& group : groups)
+    for (const ParamInfo& info : group) {
+      const auto found = changed.find(info.key());
+      if (found != changed.end())
+        out[info.key()] = parameterJson(info, found->second);
+      else if (resolved)
+        out[info.key()] = parameterJson(info, formatParam(info, defaultValue(info)));
+    }
+  return out;
+}
+
+Json presetDocument(const Preset& preset, bool resolved) {
+  Json out = {{"version", kPresetVersion}, {"scene", preset.scene}};
+  if (preset.camera)
+    out["camera"] = cameraJson(*preset.camera);
+  else if (!preset.cameraName.empty())
+    out["camera"] = preset.cameraName;
+  if (preset.lights) out["lights"] = lightsJson(*preset.lights);
+  out["resolution"] = {preset.width, preset.height};
+  out["seed"] = preset.seed;
+  out["technique"] = preset.technique;
+  out["parameters"] = parametersJson(preset, resolved);
+  return out;
+}
+
+Json displayJson(const Display& display) {
+  return {{"exposure", number(display.exposure, "display.exposure")},
+          {"tone_map", kToneMapNames[static_cast<int>(display.toneMap)]},
+          {"view", display.view},
+          {"show_invalid", display.showInvalid}};
+}
+
+/// ASCII alone, since the text also travels in image files.
+std::string compact(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace), out;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\\' && quoted) {
+      out += c;
+      out += text[++i];
+      continue;
+    }
+    if (c == '"') quoted = !quoted;
+    out += c;
+    if (!quoted && (c == ',' || c == ':')) out += ' ';
+  }
+  return out;
+}
+
+/// One line a key, and one line a parameter: what a person edits and a version control system compares.
+std::string readable(const Json& document) {
+  std::string out = "{\n";
+  size_t left = document.size();
+  for (const auto& [key, value] : document.items()) {
+    const bool spread = (key == "parameters" || key == "lights") && !value.empty();
+    out += fmt::format("  {}: ", compact(key));
+    if (spread) {
+      size_t inner = value.size();
+      out += "{\n";
+      for (const auto& [name, member] : value.items())
+        out += fmt::format("    {}: {}{}\n", compact(name), compact(member), --inner ? "," : "");
+      out += "  }";
+    } else {
+      out += compact(value);
+    }
+    out += --left ? ",\n" : "\n";
+  }
+  return out + "}\n";
+}
+
+}  // namespace
+
+std::string presetJson(const Preset& preset, bool resolved) {
+  Json document = presetDocument(preset, resolved);
+  document["display"] = displayJson(preset.display);
+  return readable(document);
+}
+
+void savePreset(const Preset& preset, const std::filesystem::path& file) {
+  writeFileAtomically(file, presetJson(preset));
+}
+
+std::string presetHash(const Preset& preset) { return hashOf(compact(presetDocument(preset, false))); }
+
+std::vector<PresetListing> listPresets() {
+  namespace fs = std::filesystem;
+  std::vector<PresetListing> out;
+  const fs::path folder = homeFolder() / "presets";
+  if (!fs::is_directory(folder)) return out;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".json") continue;
+    PresetListing listing;
+    listing.id = fs::relative(entry.path(), folder).replace_extension().generic_string();
+    listing.file = entry.path();
+    try {
+      const Preset preset = loadPreset(entry.path());
+      listing.label = fmt::format("{} on {}", preset.technique, preset.scene);
+    } catch (const Error& e) {
+      listing.label = fmt::format("cannot be read: {}", e.what());
+    }
+    out.push_back(listing);
+  }
+  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return out;
+}
+
+}  // namespace hl
