@@ -17,7 +17,9 @@ struct GpuScene {
   Buffer materials;      ///< GpuMaterial
   Buffer lights;         ///< GpuLight; at least one element is allocated, lightCount says how many count
   Buffer emitters;       ///< GpuEmitter
-  Texture2dArray textures;  ///< RGBA8, every layer of one size, linear filter, mipmapped; one white layer where there are none
+  Texture2dArray textures;  ///< RGBA8, every layer of one size, white where there is nothing; read through shaders/scene.glsl alone, which
+                            ///< repeats, filters and undoes the sRGB curve as engine/scene/texture_sampling.h does on the host
+  uint64_t textureBytes = 0;
   uint32_t triangleCount = 0, lightCount = 0, emitterCount = 0;
   float emitterPower = 0;   ///< sum of area times luminance, the normaliser of GpuEmitter::probability
   vec3 sky{0.0f};

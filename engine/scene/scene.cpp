@@ -1,0 +1,86 @@
+#include "engine/scene/scene.h"
+
+#include "engine/core/hash.h"
+#include "engine/scene/scene_build.h"
+
+namespace hl {
+namespace {
+
+bool emits(const Material& m) { return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0; }
+
+}  // namespace
+
+SceneFeatures sceneFeatures(const Scene& scene) {
+  SceneFeatures f;
+  f.surfaces = !scene.indices.empty();
+  std::vector<uint64_t> triangles(scene.materials.size(), 0);
+  for (const uint32_t id : scene.materialIds) ++triangles[id];
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (triangles[i] == 0) continue;
+    const Material& m = scene.materials[i];
+    if (emits(m)) f.emissive = true, f.emissiveTriangles += static_cast<uint32_t>(triangles[i]);
+    f.alphaTested = f.alphaTested || (m.alphaCutoff > 0 && m.albedoTexture != kNone);
+    f.albedoTextures = f.albedoTextures || m.albedoTexture != kNone;
+    f.normalMaps = f.normalMaps || m.normalTexture != kNone;
+    f.twoSided = f.twoSided || m.twoSided;
+  }
+  f.pointLights = !scene.pointLights.empty();
+  f.spotLights = !scene.spotLights.empty();
+  f.directionalLights = !scene.directionalLights.empty();
+  f.sky = scene.sky.x > 0 || scene.sky.y > 0 || scene.sky.z > 0;
+  return f;
+}
+
+std::string sceneContentHash(const Scene& scene) {
+  Hasher h;
+  h.array(scene.positions).array(scene.normals).array(scene.uvs).array(scene.lightmapUvs);
+  h.array(scene.indices).array(scene.materialIds).array(scene.objectIds);
+  h.value<uint64_t>(scene.materials.size());
+  for (const Material& m : scene.materials) {
+    h.value(m.albedo).value(m.emission).value(m.albedoTexture).value(m.normalTexture);
+    h.value(m.alphaCutoff).value<uint32_t>(m.twoSided);
+  }
+  h.value<uint64_t>(scene.textures.size());
+  for (const Texture& t : scene.textures) h.value(t.width).value(t.height).value<uint32_t>(t.srgb).array(t.rgba);
+  h.value<uint64_t>(scene.pointLights.size());
+  for (const PointLight& l : scene.pointLights) h.value(l.position).value(l.intensity);
+  h.value<uint64_t>(scene.spotLights.size());
+  for (const SpotLight& l : scene.spotLights)
+    h.value(l.position).value(l.direction).value(l.intensity).value(l.innerAngle).value(l.outerAngle);
+  h.value<uint64_t>(scene.directionalLights.size());
+  for (const DirectionalLight& l : scene.directionalLights) h.value(l.direction).value(l.irradiance);
+  h.value(scene.sky);
+  return h.hex();
+}
+
+void recentreScene(Scene& scene) {
+  if (scene.bounds.empty()) return;
+  const vec3 centre = scene.bounds.centre();
+  const float diagonal = scene.bounds.diagonal();
+  if (!(diagonal > 0) || glm::length(centre) <= kRecentreDistance * diagonal) return;
+  // Whole multiples of the diagonal's power of two: the subtraction is then exact wherever a float still has the bits.
+  const float step = std::exp2(std::ceil(std::log2(diagonal)));
+  const vec3 shift = glm::floor(centre / step + 0.5f) * step;
+  for (vec3& p : scene.positions) p -= shift;
+  for (PointLight& l : scene.pointLights) l.position -= shift;
+  for (SpotLight& l : scene.spotLights) l.position -= shift;
+  for (Camera& c : scene.cameras) c.position -= shift, c.target -= shift;
+  scene.bounds.min -= shift, scene.bounds.max -= shift;
+  scene.report.recentred += shift;
+}
+
+void finishScene(Scene& scene) {
+  scene.bounds = {};
+  // Of the triangles, not of the vertices: a stray vertex that nothing uses is no part of the scene.
+  for (const uvec3 t : scene.indices)
+    for (const uint32_t v : {t.x, t.y, t.z}) scene.bounds.extend(scene.positions[v]);
+  for (Material& m : scene.materials) {
+    const vec3 capped = glm::min(m.albedo, vec3(kMaxAlbedo));
+    if (capped != m.albedo) m.albedo = capped, ++scene.report.cappedAlbedo;
+  }
+  recentreScene(scene);
+  if (scene.cameras.empty()) scene.cameras.push_back(sensibleCamera(scene));
+  scene.hash = sceneContentHash(scene);
+}
+
+}  // namespace hl

@@ -1,0 +1,62 @@
+#pragma once
+// What a scene file says, before any geometry is made. Lengths in metres, angles in radians once read (files have degrees).
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/scene/scene.h"
+
+namespace hl {
+
+struct MeshReference {
+  std::string file;      ///< looked for beside the scene file, then along HALFLIGHT_SCENES
+  double scale = 1;      ///< metres a unit of the file
+  std::string obtain;    ///< where to get it, for the message when it is missing
+};
+
+enum class ShapeType { Quad, Box, UvSphere, Icosphere };
+
+/// A procedural surface. Faces look inward or outward; each face is a chart of the lightmap where those are asked for.
+struct Shape {
+  ShapeType type = ShapeType::Quad;
+  std::string name, material;
+  std::vector<vec3> corners;                         ///< quad: 4, counter-clockwise seen from the front
+  vec3 min{0.0f}, max{1.0f};                         ///< box
+  std::vector<std::string> faces;                    ///< box: those present, of kBoxFaces; empty means all six
+  std::map<std::string, std::string> faceMaterials;  ///< box: exceptions from `material`
+  vec3 centre{0.0f};                                 ///< spheres
+  float radius = 1;
+  bool inward = false;                               ///< box and spheres: the front looks at the inside
+  bool smooth = false;                               ///< spheres: vertex normals of the sphere instead of the facets'
+  int subdivisions = 1;                              ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere
+};
+inline constexpr const char* kBoxFaces[6] = {"-x", "+x", "-y", "+y", "-z", "+z"};
+
+/// Replaces what a mesh says of a material, or makes a new one that shapes use.
+struct MaterialOverride {
+  std::optional<vec3> albedo, emission;
+  std::optional<bool> twoSided;
+  std::optional<float> alphaCutoff;
+};
+
+struct SceneDescription {
+  std::string label;
+  std::optional<MeshReference> mesh;
+  std::vector<Shape> shapes;
+  bool lightmapUvs = false;  ///< shapes get a second UV set: one chart a face, without overlaps
+  std::vector<std::pair<std::string, MaterialOverride>> materials;
+  std::vector<PointLight> pointLights;
+  std::vector<SpotLight> spotLights;
+  std::vector<DirectionalLight> directionalLights;
+  vec3 sky{0.0f};
+  std::vector<Camera> cameras;
+  std::vector<Region> regions;
+};
+
+/// @throws Error(BadInput): "<file>: <place>: <what is wrong>; <what would be right>".
+SceneDescription parseSceneDescription(std::string_view text, const std::filesystem::path& file);
+
+}  // namespace hl

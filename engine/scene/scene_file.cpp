@@ -1,0 +1,100 @@
+#include "engine/scene/scene_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "engine/core/files.h"
+#include "engine/scene/mesh_import.h"
+#include "engine/scene/scene_build.h"
+#include "engine/scene/scene_description.h"
+#include "engine/scene/scene_search.h"
+#include "engine/scene/shapes.h"
+
+namespace hl {
+namespace {
+
+/// A bare mesh has no light of its own choosing: a sun from above and the side, and a dim sky.
+void lightBareMesh(Scene& scene) {
+  if (sceneFeatures(scene).anyLight()) return;
+  scene.directionalLights.push_back({"sun", glm::normalize(vec3(-0.4f, -0.8f, -0.45f)), vec3(3.0f)});
+  scene.sky = vec3(0.4f, 0.45f, 0.5f);
+}
+
+uint32_t materialNamed(Scene& scene, const std::string& name, bool add) {
+  for (uint32_t i = 0; i < scene.materials.size(); ++i)
+    if (scene.materials[i].name == name) return i;
+  if (!add) return kNone;
+  scene.materials.push_back({});
+  scene.materials.back().name = name;
+  return static_cast<uint32_t>(scene.materials.size() - 1);
+}
+
+void override(Material& m, const MaterialOverride& o) {
+  if (o.albedo) m.albedo = *o.albedo;
+  if (o.emission) m.emission = *o.emission;
+  if (o.twoSided) m.twoSided = *o.twoSided;
+  if (o.alphaCutoff) m.alphaCutoff = *o.alphaCutoff;
+}
+
+/// Materials of the mesh are changed; those that shapes name are made. One that neither has is a slip of the pen.
+void applyMaterials(Scene& scene, const SceneDescription& d, const std::string& file) {
+  std::vector<std::string> wanted;
+  for (const Shape& s : d.shapes) {
+    if (!s.material.empty()) wanted.push_back(s.material);
+    for (const auto& [face, material] : s.faceMaterials) wanted.push_back(material);
+  }
+  std::vector<std::string> defined, usable = wanted;
+  for (const Material& m : scene.materials) usable.push_back(m.name), defined.push_back(m.name);
+  for (const auto& [name, o] : d.materials) {
+    const bool used = std::find(usable.begin(), usable.end(), name) != usable.end();
+    if (!used) {
+      const std::string near = nearest(name, usable);
+      throw badInput(fmt::format("{}: materials.{}: neither the mesh nor a shape has this material{}", file, name,
+                                 near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+    }
+    override(scene.materials[materialNamed(scene, name, true)], o);
+    defined.push_back(name);
+  }
+  for (const std::string& name : wanted)
+    if (std::find(defined.begin(), defined.end(), name) == defined.end()) {
+      const std::string near = nearest(name, defined);
+      throw badInput(fmt::format("{}: a shape's material '{}' is not under 'materials'{}", file, name,
+                                 near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+    }
+}
+
+Scene fromDescription(const SceneDescription& d, const std::filesystem::path& file, Progress* progress) {
+  Scene scene;
+  if (d.mesh) scene = importMeshCached(findMesh(*d.mesh, file), d.mesh->scale, progress);
+  scene.name = file.stem().string();
+  applyMaterials(scene, d, file.string());
+  appendShapes(scene, d.shapes, d.lightmapUvs, [&](const std::string& name) { return materialNamed(scene, name, false); });
+  scene.pointLights = d.pointLights;
+  scene.spotLights = d.spotLights;
+  scene.directionalLights = d.directionalLights;
+  scene.sky = d.sky;
+  scene.cameras = d.cameras;
+  scene.regions = d.regions;
+  return scene;
+}
+
+}  // namespace
+
+Scene loadScene(const std::string& nameOrPath, Progress* progress, const std::filesystem::path& beside) {
+  const std::filesystem::path file = findScene(nameOrPath, beside);
+  Scene scene;
+  if (isMeshFile(file)) {
+    scene = importMeshCached(file, 1, progress);
+    scene.name = file.stem().string();
+    lightBareMesh(scene);
+  } else {
+    scene = fromDescription(parseSceneDescription(readFile(file), file), file, progress);
+  }
+  scene.source = file;
+  finishScene(scene);
+  return scene;
+}
+
+}  // namespace hl
