@@ -123,8 +123,10 @@ ReferenceSettings Session::Impl::referenceSettings(bool matchedPaths) const {
 }
 
 void Session::Impl::startReferences() {
+  std::vector<uint32_t> ids(static_cast<size_t>(gbuffer.width) * static_cast<size_t>(gbuffer.height) * 2);
+  device.download(gbuffer.ids, ids.data(), ids.size() * sizeof(uint32_t));
   const std::vector<Receiver> receivers = receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal),
-                                                               device.download(gbuffer.geometricNormal));
+                                                               device.download(gbuffer.geometricNormal), ids, scene.get());
   const auto start = [&](ReferenceRun& run, bool matchedPaths) {
     run.tracer = std::make_unique<ReferenceTracer>(embree, receivers, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
     run.tracer->resume();
