@@ -11,6 +11,7 @@ namespace hl {
 struct DeviceOptions {
   std::string select;       ///< "": the best (discrete, integrated, virtual, CPU); else an index of listDevices() or part of a name
   bool validation = false;  ///< validation and synchronisation validation; HALFLIGHT_VALIDATION=1 turns it on as well
+  bool staging = false;     ///< act as on a device whose memory the host cannot map, so that tests reach those paths anywhere
 };
 
 struct DeviceInfo {
@@ -65,7 +66,7 @@ class Device {
   Impl& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;  // resources keep it alive
 };
 
 }  // namespace hl

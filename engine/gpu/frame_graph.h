@@ -52,7 +52,8 @@ class ComputePass {
     return pushBytes(&constants, sizeof constants);
   }
   ComputePass& specialize(const char* name, uint32_t value);     ///< by the constant's name; bools are 0 and 1
-  /// Groups; or threads, rounded up to the shader's group size.
+  /// Groups; or threads, rounded up to the shader's group size. More groups along x than the device takes in one go are dispatched in
+  /// pieces: gl_WorkGroupID and gl_GlobalInvocationID go on counting, gl_NumWorkGroups is the piece's.
   void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);
   void dispatchThreads(uint32_t x, uint32_t y = 1, uint32_t z = 1);
 
@@ -133,9 +134,11 @@ class FrameGraph {
   /// Submits everything recorded since the last call, waits for it, and returns what each pass took. The graph is then empty.
   /// @throws Error(Device) when the device is lost; exceptions of host passes come through, the rest of the batch is dropped.
   BatchTimings execute();
+  /// Forgets what was recorded since the last execute. An error thrown while recording does the same.
+  void drop();
 
   const std::vector<BarrierRecord>& barriers() const;  ///< of the last execute
-  /// For the test that plants a fault: leaves out the barriers before the named pass.
+  /// For the test that plants a fault: leaves out the barriers (changes of layout apart) before the named pass of the next execute.
   void omitBarriersBefore(const std::string& pass);
   struct Impl;
 

@@ -1,0 +1,85 @@
+#include "engine/gpu/profiler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hl {
+namespace {
+
+/// The value below which `fraction` of the samples lie, between the two nearest ones.
+double quantile(const std::vector<double>& sorted, double fraction) {
+  if (sorted.empty()) return 0;
+  const double at = fraction * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<size_t>(std::floor(at));
+  const size_t high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
+
+PassStatistics statistics(const std::string& name, const char* where, const std::deque<double>& samples) {
+  PassStatistics s;
+  s.name = name;
+  s.where = where;
+  if (samples.empty()) return s;
+  std::vector<double> sorted(samples.begin(), samples.end());
+  std::sort(sorted.begin(), sorted.end());
+  s.medianMs = quantile(sorted, 0.5);
+  s.p5Ms = quantile(sorted, 0.05);
+  s.p95Ms = quantile(sorted, 0.95);
+  s.lastMs = samples.back();
+  return s;
+}
+
+}  // namespace
+
+void Profiler::add(const BatchTimings& batch) {
+  ++frames_;
+  // A name that occurs more than once in a batch is one pass with the sum of their times.
+  order_.clear();
+  for (const PassTiming& timing : batch.passes) {
+    const auto known = std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == timing.name; });
+    if (known == order_.end()) {
+      order_.push_back(timing);
+    } else {
+      known->ms += timing.ms;
+      known->creationMs += timing.creationMs;
+      if (timing.skipped.empty()) known->skipped.clear();
+    }
+  }
+  bool warmUp = false;
+  for (const PassTiming& timing : order_) {
+    if (!timing.skipped.empty()) continue;
+    // The first run compiles, and a new pipeline does so again.
+    const bool first = seen_[timing.name]++ == 0 || timing.creationMs > 0;
+    warmUp = warmUp || first;
+    if (first) continue;
+    auto& samples = history_[timing.name];
+    samples.push_back(timing.ms);
+    if (samples.size() > window_) samples.pop_front();
+  }
+  if (warmUp) return;
+  wall_.push_back(batch.wallMs);
+  if (wall_.size() > window_) wall_.pop_front();
+}
+
+void Profiler::clear() {
+  frames_ = 0;
+  order_.clear();
+  history_.clear();
+  seen_.clear();
+  wall_.clear();
+}
+
+std::vector<PassStatistics> Profiler::passes() const {
+  std::vector<PassStatistics> all;
+  for (const PassTiming& timing : order_) {
+    const auto samples = history_.find(timing.name);
+    PassStatistics s = statistics(timing.name, timing.host ? "host" : "gpu", samples == history_.end() ? std::deque<double>() : samples->second);
+    s.skipped = timing.skipped;
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
+PassStatistics Profiler::frame() const { return statistics("frame", "gpu", wall_); }
+
+}  // namespace hl
