@@ -133,7 +133,7 @@ std::vector<std::string> JsonReader::unknownKeys(const std::vector<std::string>&
   return out;
 }
 
-nlohmann::json parseJson(const std::string& text, const std::string& file) {
+nlohmann::json parseStrictJson(const std::string& text, const std::string& file) {
   using Json = nlohmann::json;
   std::vector<std::set<std::string>> open;  // keys so far of the objects that are being read
   std::string twice;

@@ -46,6 +46,6 @@ class JsonReader {
 
 /// @throws Error(BadInput) with line and column, also for a key that stands twice in one object and for numbers beyond
 /// double's range.
-nlohmann::json parseJson(const std::string& text, const std::string& file);
+nlohmann::json parseStrictJson(const std::string& text, const std::string& file);
 
 }  // namespace hl

@@ -25,16 +25,16 @@ struct LightEdits {
 
 struct Preset {
   std::string scene = "cornell_box";
-  std::string cameraName;                  ///< a camera of the scene; "" the first
-  std::optional<Camera> camera;            ///< set when it was moved: written in place of the name
-  std::optional<LightEdits> lights;        ///< JSON key "lights": the whole set, in place of the scene's
+  std::string cameraName;            ///< a camera of the scene; "" the first
+  std::optional<Camera> camera;      ///< set when it was moved: written in place of the name
+  std::optional<LightEdits> lights;  ///< JSON key "lights": the whole set, in place of the scene's
   int width = 640, height = 360;
   uint32_t seed = 1;
   std::string technique = "radiosity";
   std::map<std::string, std::string> parameters;  ///< by dotted key, as text; only those that differ from the default
   Display display;
-  std::filesystem::path file;              ///< where it came from, not part of its identity
-  std::vector<std::string> warnings;       ///< of loading: unknown keys of a newer version, migrations
+  std::filesystem::path file;         ///< where it came from, not part of its identity
+  std::vector<std::string> warnings;  ///< of loading: unknown keys of a newer version, migrations
 };
 
 /// @throws Error(BadInput): file, JSON path, value, what would be right. A newer version warns and loads what it knows.

@@ -13,4 +13,8 @@ inline constexpr const char* kToneMapNames[] = {"linear", "aces", "reinhard"};
 /// The shortest text that reads back as the same float.
 std::string shortestText(float);
 
+/// Angles are radians in memory and degrees in files; the shortest number of degrees that reads back as the same float.
+float radiansOf(double degrees);
+double degreesOf(float radians);
+
 }  // namespace hl

@@ -21,11 +21,14 @@ class PresetReader {
   PresetReader(Preset& preset, bool newer) : preset_(preset), newer_(newer) {}
 
   void read(const JsonReader& root) {
-    known(root, {"version", "scene", "camera", "lights", "resolution", "seed", "technique", "parameters", "display"});
+    known(root,
+          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "display"});
     preset_.scene = root.at("scene").text();
     if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
     if (root.has("camera")) readCamera(root.at("camera"));
-    if (root.has("lights")) readLights(root.at("lights"));
+    if (root.has("lights")) readLights(root);
+    if (root.has("sky") && !root.has("lights"))
+      throw root.at("sky").refused("it comes with \"lights\", which replace those of the scene ([] for none)");
     if (root.has("resolution")) readResolution(root.at("resolution"));
     if (root.has("seed")) preset_.seed = static_cast<uint32_t>(root.at("seed").whole(0, 0xffffffffLL));
     if (root.has("technique")) readTechnique(root.at("technique"));
@@ -55,46 +58,48 @@ class PresetReader {
       throw node.refused(
           "the name of one of the scene's cameras, or an object with position and target, is wanted, not " +
           node.found());
-    known(node, {"name", "position", "target", "up", "vertical_fov"});
+    known(node, {"name", "position", "target", "up", "vertical_fov_degrees"});
     Camera camera;
     if (node.has("name")) camera.name = node.at("name").text();
     camera.position = node.at("position").vector();
     camera.target = node.at("target").vector();
     if (node.has("up")) camera.up = node.at("up").direction();
-    if (node.has("vertical_fov")) camera.verticalFov = node.at("vertical_fov").number(0.001f, 3.14f);
+    if (node.has("vertical_fov_degrees")) camera.verticalFov = angle(node.at("vertical_fov_degrees"), 0.01f, 179.99f);
     if (!(glm::length(camera.target - camera.position) > 0))
       throw node.refused("position and target are the same point");
     preset_.camera = camera;
   }
 
-  void readLights(const JsonReader& node) {
-    known(node, {"point", "spot", "directional", "sky"});
+  /// As in scene files.
+  void readLights(const JsonReader& root) {
     LightEdits lights;
-    if (node.has("point"))
-      for (const JsonReader& n : node.at("point").elements("an array of point lights")) {
-        known(n, {"name", "position", "intensity"});
-        lights.points.push_back({nameOf(n), n.at("position").vector(), energy(n.at("intensity"))});
-      }
-    if (node.has("spot"))
-      for (const JsonReader& n : node.at("spot").elements("an array of spot lights")) {
-        known(n, {"name", "position", "direction", "intensity", "inner_angle", "outer_angle"});
-        SpotLight light{nameOf(n), n.at("position").vector(), unit(n.at("direction")), energy(n.at("intensity"))};
-        if (n.has("inner_angle")) light.innerAngle = n.at("inner_angle").number(0, kPi);
-        if (n.has("outer_angle")) light.outerAngle = n.at("outer_angle").number(0, kPi);
-        if (light.innerAngle > light.outerAngle) throw n.refused("inner_angle is larger than outer_angle");
+    for (const JsonReader& n : root.at("lights").elements("an array of lights")) {
+      const std::string type = n.at("type").text();
+      const std::string name = n.has("name") ? n.at("name").text() : type;
+      if (type == "point") {
+        known(n, {"type", "name", "position", "intensity"});
+        lights.points.push_back({name, n.at("position").vector(), energy(n.at("intensity"))});
+      } else if (type == "spot") {
+        known(n, {"type", "name", "position", "direction", "intensity", "inner_degrees", "outer_degrees"});
+        SpotLight light{name, n.at("position").vector(), unit(n.at("direction")), energy(n.at("intensity"))};
+        if (n.has("inner_degrees")) light.innerAngle = angle(n.at("inner_degrees"), 0, 90);
+        if (n.has("outer_degrees")) light.outerAngle = angle(n.at("outer_degrees"), 0, 90);
+        if (!(light.innerAngle < light.outerAngle)) throw n.refused("inner_degrees must be below outer_degrees");
         lights.spots.push_back(light);
+      } else if (type == "directional") {
+        known(n, {"type", "name", "direction", "irradiance"});
+        lights.directionals.push_back({name, unit(n.at("direction")), energy(n.at("irradiance"))});
+      } else {
+        throw n.at("type").refused("one of point, spot, directional is wanted, not " + n.at("type").found());
       }
-    if (node.has("directional"))
-      for (const JsonReader& n : node.at("directional").elements("an array of directional lights")) {
-        known(n, {"name", "direction", "irradiance"});
-        lights.directionals.push_back({nameOf(n), unit(n.at("direction")), energy(n.at("irradiance"))});
-      }
-    if (node.has("sky")) lights.sky = energy(node.at("sky"));
+    }
+    if (root.has("sky")) lights.sky = energy(root.at("sky"));
     preset_.lights = lights;
   }
 
-  static std::string nameOf(const JsonReader& light) {
-    return light.has("name") ? light.at("name").text() : std::string();
+  static float angle(const JsonReader& node, float low, float high) {
+    node.number(low, high);
+    return radiansOf(node.json().get<double>());
   }
 
   /// A direction of unit length already stays as it is, to the bit: what was saved is what is loaded.
@@ -193,7 +198,7 @@ class PresetReader {
 }  // namespace
 
 Preset presetFromJson(const std::string& text, const std::string& whereFrom) {
-  nlohmann::json document = parseJson(text, whereFrom);
+  nlohmann::json document = parseStrictJson(text, whereFrom);
   const JsonReader head(document, whereFrom);
   const int64_t version = head.at("version").whole(1, 1'000'000);
   Preset preset;

@@ -67,37 +67,36 @@ Json lightsSchema() {
   const Json name = {{"type", "string"}};
   const Json position = vectorSchema("World position [m].");
   const Json intensity = vectorSchema("RGB [W/sr].");
-  const auto list = [](Json item) { return Json{{"type", "array"}, {"items", std::move(item)}}; };
-  const Json angle = {{"type", "number"}, {"minimum", 0}, {"maximum", 3.1415927}, {"description", "Half-angle [rad]."}};
-  Json point =
-      objectSchema({{"name", name}, {"position", position}, {"intensity", intensity}}, {"position", "intensity"});
-  Json spot = objectSchema({{"name", name},
+  const Json angle = {{"type", "number"}, {"minimum", 0}, {"maximum", 90}, {"description", "Half-angle of the cone."}};
+  const auto type = [](const char* id) { return Json{{"const", id}}; };
+  Json point = objectSchema({{"type", type("point")}, {"name", name}, {"position", position}, {"intensity", intensity}},
+                            {"type", "position", "intensity"});
+  Json spot = objectSchema({{"type", type("spot")},
+                            {"name", name},
                             {"position", position},
                             {"direction", vectorSchema("Away from the light.")},
                             {"intensity", intensity},
-                            {"inner_angle", angle},
-                            {"outer_angle", angle}},
-                           {"position", "direction", "intensity"});
-  Json directional = objectSchema({{"name", name},
+                            {"inner_degrees", angle},
+                            {"outer_degrees", angle}},
+                           {"type", "position", "direction", "intensity"});
+  Json directional = objectSchema({{"type", type("directional")},
+                                   {"name", name},
                                    {"direction", vectorSchema("The way the light travels.")},
                                    {"irradiance", vectorSchema("RGB [W/m^2] on a surface that faces it.")}},
-                                  {"direction", "irradiance"});
-  Json out = objectSchema({{"point", list(std::move(point))},
-                           {"spot", list(std::move(spot))},
-                           {"directional", list(std::move(directional))},
-                           {"sky", vectorSchema("Radiance [W/(sr m^2)] from where nothing is hit.")}});
-  out["description"] = "The whole set of lights, in place of the scene's.";
-  return out;
+                                  {"type", "direction", "irradiance"});
+  return {{"type", "array"},
+          {"items", {{"anyOf", {std::move(point), std::move(spot), std::move(directional)}}}},
+          {"description", "The whole set of lights, in place of the scene's."}};
 }
 
 Json cameraSchema() {
-  const Json fov = {{"type", "number"}, {"minimum", 0.001}, {"maximum", 3.14}, {"description", "[rad]"}};
+  const Json fov = {{"type", "number"}, {"minimum", 0.01}, {"maximum", 179.99}};
   const Json named = {{"type", "string"}, {"description", "A camera of the scene; left out or empty: its first."}};
   Json free = objectSchema({{"name", {{"type", "string"}}},
                             {"position", vectorSchema("[m]")},
                             {"target", vectorSchema("[m]")},
                             {"up", vectorSchema("Roughly upwards.")},
-                            {"vertical_fov", fov}},
+                            {"vertical_fov_degrees", fov}},
                            {"position", "target"});
   return {{"anyOf", {named, std::move(free)}}};
 }
@@ -127,6 +126,7 @@ std::string presetSchema() {
        {{"type", "string"}, {"minLength", 1}, {"description", "A scene's name, or the path of a scene or mesh file."}}},
       {"camera", cameraSchema()},
       {"lights", lightsSchema()},
+      {"sky", vectorSchema("Radiance [W/(sr m^2)] from where nothing is hit; comes with lights.")},
       {"resolution",
        {{"type", "array"},
         {"items", side},

@@ -20,6 +20,17 @@ std::string shortestText(float v) {
   return std::string(text, std::to_chars(text, text + sizeof text, v).ptr);
 }
 
+float radiansOf(double degrees) { return static_cast<float>(degrees * (3.14159265358979323846 / 180)); }
+
+double degreesOf(float radians) {
+  const double exact = radians * (180 / 3.14159265358979323846);
+  for (int digits = 4; digits < 17; ++digits) {
+    const double shorter = std::stod(fmt::format("{:.{}g}", exact, digits));
+    if (radiansOf(shorter) == radians) return shorter;
+  }
+  return exact;
+}
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -32,34 +43,42 @@ Json number(float v, const char* what) {
 
 Json vector(vec3 v, const char* what) { return Json::array({number(v.x, what), number(v.y, what), number(v.z, what)}); }
 
+Json degrees(float radians, const char* what) {
+  number(radians, what);  // refuses what is not finite
+  return degreesOf(radians);
+}
+
 Json cameraJson(const Camera& camera) {
   Json out = Json::object();
   if (!camera.name.empty()) out["name"] = camera.name;
   out["position"] = vector(camera.position, "camera.position");
   out["target"] = vector(camera.target, "camera.target");
   out["up"] = vector(camera.up, "camera.up");
-  out["vertical_fov"] = number(camera.verticalFov, "camera.vertical_fov");
+  out["vertical_fov_degrees"] = degrees(camera.verticalFov, "camera.vertical_fov_degrees");
   return out;
 }
 
+/// As scene files have them.
 Json lightsJson(const LightEdits& lights) {
-  Json out = {{"point", Json::array()}, {"spot", Json::array()}, {"directional", Json::array()}};
+  Json out = Json::array();
   for (const PointLight& l : lights.points)
-    out["point"].push_back({{"name", l.name},
-                            {"position", vector(l.position, "lights.point.position")},
-                            {"intensity", vector(l.intensity, "lights.point.intensity")}});
+    out.push_back({{"type", "point"},
+                   {"name", l.name},
+                   {"position", vector(l.position, "lights: position")},
+                   {"intensity", vector(l.intensity, "lights: intensity")}});
   for (const SpotLight& l : lights.spots)
-    out["spot"].push_back({{"name", l.name},
-                           {"position", vector(l.position, "lights.spot.position")},
-                           {"direction", vector(l.direction, "lights.spot.direction")},
-                           {"intensity", vector(l.intensity, "lights.spot.intensity")},
-                           {"inner_angle", number(l.innerAngle, "lights.spot.inner_angle")},
-                           {"outer_angle", number(l.outerAngle, "lights.spot.outer_angle")}});
+    out.push_back({{"type", "spot"},
+                   {"name", l.name},
+                   {"position", vector(l.position, "lights: position")},
+                   {"direction", vector(l.direction, "lights: direction")},
+                   {"intensity", vector(l.intensity, "lights: intensity")},
+                   {"inner_degrees", degrees(l.innerAngle, "lights: inner_degrees")},
+                   {"outer_degrees", degrees(l.outerAngle, "lights: outer_degrees")}});
   for (const DirectionalLight& l : lights.directionals)
-    out["directional"].push_back({{"name", l.name},
-                                  {"direction", vector(l.direction, "lights.directional.direction")},
-                                  {"irradiance", vector(l.irradiance, "lights.directional.irradiance")}});
-  out["sky"] = vector(lights.sky, "lights.sky");
+    out.push_back({{"type", "directional"},
+                   {"name", l.name},
+                   {"direction", vector(l.direction, "lights: direction")},
+                   {"irradiance", vector(l.irradiance, "lights: irradiance")}});
   return out;
 }
 
@@ -102,7 +121,10 @@ Json presetDocument(const Preset& preset, bool resolved) {
     out["camera"] = cameraJson(*preset.camera);
   else if (!preset.cameraName.empty())
     out["camera"] = preset.cameraName;
-  if (preset.lights) out["lights"] = lightsJson(*preset.lights);
+  if (preset.lights) {
+    out["lights"] = lightsJson(*preset.lights);
+    out["sky"] = vector(preset.lights->sky, "sky");
+  }
   out["resolution"] = {preset.width, preset.height};
   out["seed"] = preset.seed;
   out["technique"] = preset.technique;
@@ -135,7 +157,7 @@ std::string compact(const Json& value) {
   return out;
 }
 
-/// One line a key, and one line a parameter: what a person edits and a version control system compares.
+/// One line a key, a parameter or a light: what a person edits and a version control system compares.
 std::string readable(const Json& document) {
   std::string out = "{\n";
   size_t left = document.size();
@@ -144,10 +166,11 @@ std::string readable(const Json& document) {
     out += fmt::format("  {}: ", compact(key));
     if (spread) {
       size_t inner = value.size();
-      out += "{\n";
+      out += value.is_array() ? "[\n" : "{\n";
       for (const auto& [name, member] : value.items())
-        out += fmt::format("    {}: {}{}\n", compact(name), compact(member), --inner ? "," : "");
-      out += "  }";
+        out += fmt::format("    {}{}{}\n", value.is_array() ? "" : fmt::format("{}: ", compact(name)), compact(member),
+                           --inner ? "," : "");
+      out += value.is_array() ? "  ]" : "  }";
     } else {
       out += compact(value);
     }

@@ -89,6 +89,18 @@ TEST(Preset, RoundTripsToTheBit) {
   for (const char c : presetJson(p)) EXPECT_TRUE(c > 0) << "image files carry ASCII alone";
 }
 
+TEST(Preset, AnglesRoundTripAsShortDegrees) {
+  Preset p;
+  p.technique = "none";
+  p.camera = Camera();
+  for (int i = 1; i < 2000; ++i) {
+    p.camera->verticalFov = 0.0015f * static_cast<float>(i);
+    EXPECT_EQ(presetFromJson(presetJson(p), "p.json").camera->verticalFov, p.camera->verticalFov);
+  }
+  p.camera->verticalFov = 0.78539816339f;
+  EXPECT_NE(presetJson(p).find("\"vertical_fov_degrees\": 45.0}"), std::string::npos) << presetJson(p);
+}
+
 TEST(Preset, HashIsOfWhatTheNumbersDependOn) {
   Preset p;
   p.technique = "none";
@@ -148,8 +160,11 @@ TEST(Preset, RefusalsNameFilePathAndWhatWouldBeRight) {
             "p.json: camera.position[2]: a number is wanted, not the text \"1\"");
   EXPECT_EQ(refusalOf(with(R"("camera": {"position": [1, 2, 3], "target": [1, 2, 3]})")),
             "p.json: camera: position and target are the same point");
-  EXPECT_EQ(refusalOf(with(R"("lights": {"point": [{"position": [0, 0, 0], "intensity": [1, -1, 0]}]})")),
-            "p.json: lights.point[0].intensity: light cannot be negative");
+  EXPECT_EQ(refusalOf(with(R"("lights": [{"type": "point", "position": [0, 0, 0], "intensity": [1, -1, 0]}])")),
+            "p.json: lights[0].intensity: light cannot be negative");
+  EXPECT_EQ(refusalOf(with(R"("lights": [{"type": "lamp"}])")),
+            "p.json: lights[0].type: one of point, spot, directional is wanted, not the text \"lamp\"");
+  EXPECT_EQ(refusalOf(with(R"("sky": [1, 1, 1])")).substr(0, 12), "p.json: sky:");
   EXPECT_EQ(refusalOf(with(R"("display": {"tone_map": "filmic"})")),
             "p.json: display.tone_map: one of linear, aces, reinhard is wanted, not the text \"filmic\"");
   EXPECT_NE(refusalOf(R"({"version": 1, "scene": "x", "technique": "nome"})").find("p.json: technique: "),
@@ -250,7 +265,7 @@ TEST(PresetSchema, HasEveryKeyThatAPresetHas) {
   const auto written = nlohmann::json::parse(presetJson(p, true));
   for (const auto& member : written.items()) {
     ASSERT_TRUE(schema["properties"].contains(member.key())) << member.key();
-    if (member.key() != "parameters" && member.key() != "display" && member.key() != "lights") continue;
+    if (member.key() != "parameters" && member.key() != "display") continue;
     for (const auto& inner : member.value().items())
       EXPECT_TRUE(schema["properties"][member.key()]["properties"].contains(inner.key())) << inner.key();
   }
