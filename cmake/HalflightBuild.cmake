@@ -14,6 +14,8 @@ target_compile_definitions(hl_options INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_
                                                 VK_NO_PROTOTYPES)
 target_include_directories(hl_options INTERFACE "${CMAKE_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/generated")
 target_link_libraries(hl_options INTERFACE Threads::Threads)
+# OpenImageIO brings 260 shared libraries: a program that reads no images should not load them.
+target_link_options(hl_options INTERFACE -Wl,--as-needed)
 if(HALFLIGHT_SANITIZE)
   target_compile_options(hl_options INTERFACE "-fsanitize=${HALFLIGHT_SANITIZE}" -fno-omit-frame-pointer -g1
                                               -fno-sanitize-recover=undefined)
