@@ -1,0 +1,317 @@
+#include "engine/techniques/radiosity/bake.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/error.h"
+#include "engine/techniques/radiosity/directions.h"
+#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/ray.h"
+
+namespace hl {
+namespace {
+
+constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 50 ms on two cores in a large scene
+constexpr uint32_t kUnitCached = 1u << 21;      ///< remembered rays that a unit reads back
+constexpr uint32_t kUnitLumels = 1u << 15;      ///< at most, however few samples each has
+constexpr uint32_t kDirectRays = 1u << 17;      ///< shadow rays a unit casts
+
+uint32_t groups(uint32_t n, uint32_t size) { return (n + size - 1) / size; }
+
+}  // namespace
+
+RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityParams& params, Progress& progress)
+    : device_(gpu.device), shaders_(gpu.shaders), scene_(scene), params_(params) {
+  const Atlas& atlas = *scene.atlas;
+  lumels_ = static_cast<uint32_t>(atlas.lumels.size());
+  resolution_ = static_cast<uint32_t>(atlas.resolution);
+  if (lumels_ == 0) return;
+  const auto samples = static_cast<uint32_t>(params.samples);
+  castLumels_ = std::clamp(kUnitRays / samples, 1u, kUnitLumels);
+  cachedLumels_ = std::clamp(kUnitCached / samples, 1u, kUnitLumels);
+  checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
+  checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
+  if (2 * scene.scene.triangles() > device_.maxTexelBufferElements())
+    throw Error(ErrorKind::Device, "radiosity: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
+                                       std::to_string(device_.maxTexelBufferElements() / 2) + ")");
+
+  const LightmapTables tables = makeLightmapTables(scene.scene, atlas, scene.lightmap.dilation, progress);
+  reflectance_ = device_.buffer("radiosity: reflectance", std::span<const vec4>(tables.reflectance));
+  triangles_ = device_.buffer("radiosity: triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
+  device_.upload(triangles_, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
+  lumelOfTexel_ = device_.buffer("radiosity: lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
+  chartOfTexel_ = device_.buffer("radiosity: chart of texel", std::span<const uint32_t>(tables.chartOfTexel));
+  makeDirections(progress);
+
+  points_ = device_.buffer("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
+  direct_ = device_.buffer("radiosity: direct", lumels_ * sizeof(vec4));
+  irradiance_ = device_.buffer("radiosity: irradiance", lumels_ * sizeof(vec4));
+  radiance_ = device_.buffer("radiosity: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
+  counters_ = device_.buffer("radiosity: counters", 2 * shared::kCounters * sizeof(uint32_t));
+  const uint64_t unitRays = uint64_t{castLumels_} * samples;
+  rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray));
+  hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
+  codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));
+  allocateCache();
+  const ImageDesc desc{atlas.resolution, atlas.resolution, Format::RGBA32F};
+  lightmap_ = device_.image("radiosity: lightmap", desc);
+  if (scene.lightmap.dilation > 0) spare_ = device_.image("radiosity: dilated lightmap", desc);
+  dilated_ = scene.lightmap.dilation % 2 == 1 ? spare_ : lightmap_;
+  directImage_ = device_.image("radiosity: direct lightmap", desc);
+  restart(params);
+}
+
+void RadiosityBake::checkSize(const char* what, uint64_t bytes) const {
+  if (bytes <= device_.maxStorageBufferBytes()) return;
+  throw Error(ErrorKind::Device, std::string(what) + ": " + std::to_string(bytes) + " bytes are more than a buffer of this device holds (" +
+                                     std::to_string(device_.maxStorageBufferBytes()) + "); lower lightmap.resolution");
+}
+
+void RadiosityBake::makeDirections(Progress& progress) {
+  const auto samples = static_cast<uint32_t>(params_.samples);
+  std::vector<vec4> directions;
+  directions.reserve(samples);
+  if (params_.directions == kDirectionsLargestEmptyCircle) {
+    for (const DiscDirection& d : largestEmptyCircles(samples, params_.unweighted != 0, &progress))
+      directions.push_back(vec4(static_cast<float>(d.p.x), static_cast<float>(d.p.y), static_cast<float>(d.weight), 0.0f));
+  } else {
+    for (vec2 p : goldenLattice(samples)) directions.push_back(vec4(p.x, p.y, 1.0f / static_cast<float>(samples), 0.0f));
+  }
+  directions_ = device_.buffer("radiosity: directions", std::span<const vec4>(directions));
+}
+
+/// As many buffers as the budget has room for, each of whole units, so that no unit's codes lie in two.
+void RadiosityBake::allocateCache() {
+  const uint64_t lumelBytes = uint64_t{4} * static_cast<uint64_t>(params_.samples);
+  const uint64_t budget = static_cast<uint64_t>(params_.hit_cache_mb) << 20;
+  const uint64_t affordable = std::min<uint64_t>(lumels_, budget / lumelBytes);
+  lumelsPerCache_ = static_cast<uint32_t>(std::min<uint64_t>(device_.maxStorageBufferBytes() / lumelBytes, 1u << 30));
+  if (lumelsPerCache_ > castLumels_) lumelsPerCache_ -= lumelsPerCache_ % castLumels_;
+  for (uint64_t first = 0; first < affordable; first += lumelsPerCache_) {
+    const uint64_t count = std::min<uint64_t>(lumelsPerCache_, affordable - first);
+    cache_.push_back(device_.buffer("radiosity: hit cache " + std::to_string(cache_.size()), count * lumelBytes));
+  }
+  cacheCapacity_ = static_cast<uint32_t>(affordable);
+}
+
+void RadiosityBake::uploadPoints() {
+  const float offset = scene_.direct.ray_offset * scene_.gpuScene.diagonal;
+  if (offset == offset_) return;
+  offset_ = offset;
+  cached_ = 0;  // rays start elsewhere now
+  const std::vector<shared::SurfacePoint> points = lumelPoints(*scene_.atlas, offset);
+  device_.upload(points_, points.data(), points.size() * sizeof(shared::SurfacePoint));
+}
+
+void RadiosityBake::restart(const RadiosityParams& params) {
+  params_ = params;
+  if (lumels_ == 0) return;
+  uploadPoints();
+  clearWanted_ = imageStale_ = directImageStale_ = true;
+  directSample_ = directFirst_ = 0;
+  bounce_ = 0;
+  next_ = 0;
+  done_ = 0;
+  outcome_ = std::make_shared<Outcome>();
+}
+
+uint32_t RadiosityBake::directSamples() const {
+  return scene_.directLight.exactAfterOneSample() ? 1 : static_cast<uint32_t>(scene_.direct.lumel_samples);
+}
+
+/// Lumels a unit of direct light takes: all of them in turn, then the next sample.
+static uint32_t directLumels(const GpuScene& scene) {
+  const uint32_t rays = std::max(1u, scene.lightCount + (scene.emitterCount > 0 ? 1u : 0u) + 1u);
+  return std::max(1u, kDirectRays / rays);
+}
+
+uint64_t RadiosityBake::directUnits() const {
+  const uint64_t left = groups(lumels_ - directFirst_, directLumels(scene_.gpuScene));
+  const uint64_t whole = groups(lumels_, directLumels(scene_.gpuScene));
+  return directSample_ >= directSamples() ? 0 : left + (directSamples() - directSample_ - 1) * whole;
+}
+
+bool RadiosityBake::settled() const {
+  return lumels_ == 0 || (directUnits() == 0 && (bounce_ >= params_.bounces || outcome_->converged));
+}
+
+/// The piece of a bounce that starts at `lumel`, when the hits of the first `cached` are remembered.
+RadiosityBake::Piece RadiosityBake::pieceAt(uint32_t lumel, uint32_t cached) const {
+  Piece piece;
+  piece.first = lumel;
+  piece.cached = lumel < cached;
+  piece.remember = !piece.cached && lumel < cacheCapacity_;
+  uint32_t end = piece.cached ? std::min(cached, lumel + cachedLumels_) : std::min(lumels_, lumel + castLumels_);
+  if (piece.remember) end = std::min(end, cacheCapacity_);
+  if (piece.cached || piece.remember) end = std::min(end, (lumel / lumelsPerCache_ + 1) * lumelsPerCache_);
+  piece.count = end - lumel;
+  return piece;
+}
+
+uint64_t RadiosityBake::piecesFrom(uint32_t lumel, uint32_t cached) const {
+  uint64_t pieces = 0;
+  while (lumel < lumels_) lumel += pieceAt(lumel, cached).count, ++pieces;
+  return pieces;
+}
+
+WorkState RadiosityBake::work() const {
+  WorkState state;
+  state.done = state.total = done_;
+  state.residual = outcome_->residual;
+  if (settled()) {
+    state.label = bounce_ == 0 ? "" : "bounce " + std::to_string(bounce_) + (outcome_->converged ? ": converged" : " of " + std::to_string(params_.bounces));
+    return state;
+  }
+  state.total += directUnits() + piecesFrom(next_, cached_) + static_cast<uint64_t>(params_.bounces - bounce_ - 1) * piecesFrom(0, cacheCapacity_);
+  state.label = directUnits() > 0 ? "direct light " + std::to_string(directSample_ + 1) + " of " + std::to_string(directSamples())
+                                  : "bounce " + std::to_string(bounce_ + 1) + " of " + std::to_string(params_.bounces);
+  return state;
+}
+
+void RadiosityBake::recordClears(FrameGraph& graph) {
+  if (!clearWanted_) return;
+  clearWanted_ = false;
+  graph.clear("radiosity: clear direct light", direct_);
+  graph.clear("radiosity: clear irradiance", irradiance_);
+  graph.clear("radiosity: clear counters", counters_);
+}
+
+void RadiosityBake::recordUnit(FrameGraph& graph) {
+  if (settled()) return;
+  recordClears(graph);
+  if (directUnits() > 0) {
+    recordDirect(graph);
+  } else {
+    const Piece piece = pieceAt(next_, cached_);
+    recordPiece(graph, piece);
+    next_ += piece.count;
+    if (piece.remember) cached_ = next_;
+    if (next_ == lumels_) {
+      recordReflect(graph);
+      recordResidual(graph);
+      next_ = 0;
+      ++bounce_;
+    }
+    imageStale_ = true;
+  }
+  ++done_;
+}
+
+void RadiosityBake::recordDirect(FrameGraph& graph) {
+  const uint32_t count = std::min(directLumels(scene_.gpuScene), lumels_ - directFirst_);
+  scene_.directLight.record(graph, "radiosity: direct light", points_, direct_, directFirst_, count, scene_.seed, directSample_);
+  directFirst_ += count;
+  if (directFirst_ == lumels_) directFirst_ = 0, ++directSample_;
+  directImageStale_ = true;
+  if (directUnits() == 0) recordReflect(graph);
+}
+
+void RadiosityBake::recordPiece(FrameGraph& graph, const Piece& piece) {
+  const bool kept = piece.cached || piece.remember;
+  const Buffer& codes = kept ? cache_[piece.first / lumelsPerCache_] : codes_;
+  const uint32_t base = kept ? piece.first % lumelsPerCache_ * static_cast<uint32_t>(params_.samples) : 0;
+  if (!piece.cached) {
+    recordCast(graph, piece, codes, base);
+  } else {
+    for (const char* pass : {"radiosity: make rays", "radiosity: cast rays", "radiosity: find texels"}) graph.skip(pass, "hits are remembered");
+  }
+  recordGather(graph, piece, codes, base);
+}
+
+void RadiosityBake::recordCast(FrameGraph& graph, const Piece& piece, const Buffer& codes, uint32_t codeBase) {
+  const uint32_t count = piece.count * static_cast<uint32_t>(params_.samples);
+  const shared::RadiosityUnit unit{piece.first, piece.count, codeBase, scene_.seed, resolution_, 0};
+  graph.compute("radiosity: make rays", "radiosity/make_rays.comp")
+      .bind("points", points_, Access::Read)
+      .bind("directions", directions_, Access::Read)
+      .bind("rays", rays_, Access::Write)
+      .uniform("radiosity", params_)
+      .push(unit)
+      .dispatchThreads(count);
+  scene_.tracer.record(graph, "radiosity: cast rays", rays_, hits_, count, Query::Closest);
+  graph.compute("radiosity: find texels", "radiosity/find_texels.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("hits", hits_, Access::Read)
+      .bind("triangles", triangles_, Access::Read)
+      .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+      .bind("codes", codes, Access::Write)
+      .uniform("radiosity", params_)
+      .push(unit)
+      .dispatchThreads(count);
+}
+
+void RadiosityBake::recordGather(FrameGraph& graph, const Piece& piece, const Buffer& codes, uint32_t codeBase) {
+  const shared::RadiosityUnit unit{piece.first, piece.count, codeBase, scene_.seed, resolution_, bounce_ == 0 ? 1u : 0u};
+  graph.compute("radiosity: gather", "radiosity/gather.comp")
+      .bind("codes", codes, Access::Read)
+      .bind("directions", directions_, Access::Read)
+      .bind("radiance", radiance_, Access::Read)
+      .bind("irradiance", irradiance_, Access::ReadWrite)
+      .bind("counters", counters_, Access::ReadWrite)
+      .uniform("radiosity", params_)
+      .push(unit)
+      .dispatch(groups(piece.count, shared::kGatherLumels));
+}
+
+void RadiosityBake::recordReflect(FrameGraph& graph) {
+  graph.compute("radiosity: reflect", "radiosity/reflect.comp")
+      .bind("reflectance", reflectance_, Access::Read)
+      .bind("direct", direct_, Access::Read)
+      .bind("irradiance", irradiance_, Access::Read)
+      .bind("radiance", radiance_, Access::Write)
+      .push(lumels_)
+      .dispatchThreads(lumels_);
+}
+
+/// How much the bounce changed the light, by power: sum of area times |change| over sum of area times irradiance.
+void RadiosityBake::recordResidual(FrameGraph& graph) {
+  graph.host("radiosity: residual")
+      .read(irradiance_)
+      .run([outcome = outcome_, irradiance = irradiance_, atlas = scene_.atlas, limit = params_.residual](HostAccess& memory) {
+        const std::span<vec4> values = memory.span<vec4>(irradiance);
+        double change = 0, total = 0;
+        for (size_t i = 0; i < atlas->lumels.size(); ++i) {
+          const double area = static_cast<double>(atlas->lumels[i].area);
+          change += area * static_cast<double>(values[i].w);
+          total += area * static_cast<double>(luminance(vec3(values[i].x, values[i].y, values[i].z)));
+        }
+        outcome->residual = total > 0 ? change / total : 0;
+        outcome->converged = outcome->residual < static_cast<double>(limit) || change == 0;
+      });
+}
+
+void RadiosityBake::recordImages(FrameGraph& graph) {
+  recordClears(graph);
+  const auto side = resolution_;
+  if (directImageStale_) {
+    graph.compute("radiosity: write direct lightmap", "radiosity/write_lightmap.comp")
+        .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+        .bind("values", direct_, Access::Read)
+        .bind("lightmap", directImage_, Access::Write)
+        .specialize("kSums", 1)
+        .dispatchThreads(side, side);
+    directImageStale_ = false;
+  }
+  if (!imageStale_) {
+    graph.skip("radiosity: write lightmap", "nothing changed");
+    graph.skip("radiosity: dilate", "nothing changed");
+    return;
+  }
+  imageStale_ = false;
+  graph.compute("radiosity: write lightmap", "radiosity/write_lightmap.comp")
+      .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+      .bind("values", irradiance_, Access::Read)
+      .bind("lightmap", lightmap_, Access::Write)
+      .specialize("kSums", 0)
+      .dispatchThreads(side, side);
+  if (scene_.lightmap.dilation == 0) graph.skip("radiosity: dilate", "lightmap.dilation is 0");
+  for (int ring = 0; ring < scene_.lightmap.dilation; ++ring) {
+    graph.compute("radiosity: dilate", "radiosity/dilate.comp")
+        .bind("chartOfTexel", chartOfTexel_, Access::Read)
+        .bind("from", ring % 2 == 0 ? lightmap_ : spare_, Access::Read)
+        .bind("to", ring % 2 == 0 ? spare_ : lightmap_, Access::Write)
+        .dispatchThreads(side, side);
+  }
+}
+
+}  // namespace hl
