@@ -31,6 +31,7 @@ Emitters::Emitters(const Scene& scene) {
     const float twiceArea = glm::length(cross);
     if (!(twiceArea > 0)) continue;
     e.normal = cross / twiceArea;
+    e.area = 0.5f * twiceArea;
     e.emission = m.emission;
     if (ofTriangle_.empty()) ofTriangle_.assign(scene.indices.size(), kNone);
     const auto [at, isNew] = seen.try_emplace(cornerKey(e.p0, e.p1, e.p2), static_cast<uint32_t>(emitters_.size()));
@@ -40,8 +41,10 @@ Emitters::Emitters(const Scene& scene) {
     const bool chosen = m.alphaCutoff <= 0 || m.albedoTexture == kNone;
     const double weight = static_cast<double>(twiceArea) * static_cast<double>(luminance(glm::max(m.emission, vec3(0.0f))));
     weights.push_back(chosen && std::isfinite(weight) ? weight : 0.0);
+    e.luminance = weights.back() > 0 ? luminance(glm::max(m.emission, vec3(0.0f))) : 0.0f;
     emitters_.push_back(e);
   }
+  weighed_ = emitters_.size() <= kMaxWeighedEmitters;
   double total = 0;
   for (const double w : weights) total += w;
   any_ = total > 0;
@@ -57,10 +60,36 @@ Emitters::Emitters(const Scene& scene) {
   }
 }
 
-uint32_t Emitters::choose(float u) const {
+EmitterChoice Emitters::weigh(vec3 from, vec3 normal) const {
+  EmitterChoice choice;
+  if (!weighed_) return choice;
+  for (size_t i = 0; i < emitters_.size(); ++i) {
+    const Emitter& e = emitters_[i];
+    const vec3 a = e.p0 - from, b = e.p1 - from, c = e.p2 - from;
+    const float ahead = -glm::dot(a, e.normal);  // how far `from` lies in front of the emitter's plane
+    const float height = std::max(glm::dot(a, normal), std::max(glm::dot(b, normal), glm::dot(c, normal)));
+    if (e.luminance > 0 && ahead > 0 && height > 0) {
+      const vec3 centre = (a + b + c) / 3.0f;
+      const float d2 = glm::dot(centre, centre);
+      choice.total += e.luminance * std::min(1.0f, e.area * ahead * height / (kPi * d2 * d2));
+    }
+    choice.cumulative[i] = choice.total;
+  }
+  return choice;
+}
+
+uint32_t Emitters::choose(const EmitterChoice& choice, float u) const {
   if (!any_) return kNone;
-  const auto at = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);
-  return at == cumulative_.end() ? kNone : static_cast<uint32_t>(at - cumulative_.begin());
+  const float* begin = weighed_ ? choice.cumulative.data() : cumulative_.data();
+  const float* end = begin + emitters_.size();
+  const float* at = std::upper_bound(begin, end, weighed_ ? u * choice.total : u);
+  return at == end ? kNone : static_cast<uint32_t>(at - begin);
+}
+
+float Emitters::probability(const EmitterChoice& choice, uint32_t i) const {
+  if (!weighed_) return emitters_[i].probability;
+  if (!(choice.total > 0)) return 0;
+  return (choice.cumulative[i] - (i == 0 ? 0.0f : choice.cumulative[i - 1])) / choice.total;
 }
 
 }  // namespace hl

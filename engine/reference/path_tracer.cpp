@@ -104,42 +104,45 @@ vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const {
   return sum;
 }
 
-vec3 PathTracer::sampledEmitter(const ShadingPoint& p, vec2 pointU, float choiceU, PathCounters& counters) const {
-  const uint32_t i = emitters_.choose(choiceU);
+vec3 PathTracer::sampledEmitter(const ShadingPoint& p, const EmitterChoice& choice, vec2 pointU, float choiceU,
+                                PathCounters& counters) const {
+  const uint32_t i = emitters_.choose(choice, choiceU);
   if (i == kNone) return vec3(0.0f);
   const Emitter& e = emitters_[i];
   if (glm::dot(p.origin - e.p0, e.normal) <= 0) return vec3(0.0f);
   const shared::TriangleSample s = shared::sampleTriangleLight(p.origin, e.p0, e.p1, e.p2, pointU);
   if (!(s.pdf > 0) || !above(p, s.direction)) return vec3(0.0f);
-  const float pdf = e.probability * s.pdf;
+  const float pdf = emitters_.probability(choice, i) * s.pdf;
   const float cosine = glm::dot(p.normal, s.direction);
   ++counters.rays;
   if (embree_.occluded(rayFrom(p.origin, s.direction, s.distance * (1 - kShadowGap) - hitOffset_))) return vec3(0.0f);
   return e.emission * (cosine / pdf * shared::powerHeuristic(pdf, cosine / kPi));
 }
 
-vec3 PathTracer::foundEmission(const ShadingPoint& from, const Hit& hit, vec3 direction) const {
+vec3 PathTracer::foundEmission(const ShadingPoint& from, const EmitterChoice& choice, const Hit& hit,
+                               vec3 direction) const {
   const uint32_t i = emitters_.ofTriangle(hit.primitive);
   if (i == kNone) return vec3(0.0f);
   const Emitter& e = emitters_[i];
   if (glm::dot(direction, e.normal) >= 0) return vec3(0.0f);
-  float lightPdf = 0;
-  if (e.probability > 0)
-    lightPdf = e.probability * shared::triangleLightPdf(from.origin, e.p0, e.p1, e.p2, direction, hit.t);
+  float lightPdf = emitters_.probability(choice, i);
+  if (lightPdf > 0)
+    lightPdf *= shared::triangleLightPdf(from.origin, e.p0, e.p1, e.p2, direction, hit.t);
   return e.emission * shared::powerHeuristic(cosinePdf(from, direction), lightPdf);
 }
 
 vec3 PathTracer::extended(const ShadingPoint& p, PathSampler& sampler, PathCounters& counters) const {
+  const EmitterChoice choice = emitters_.weigh(p.origin, p.normal);
   vec3 sum(0.0f);
   if (emitters_.any())
-    sum += sampledEmitter(p, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
+    sum += sampledEmitter(p, choice, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
                           counters);
   const vec3 direction = shared::fromLocal(
       shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), p.normal);
   if (above(p, direction)) {
     ++counters.rays;
     const Hit hit = embree_.closest(rayFrom(p.origin, direction));
-    sum += kPi * (hit.primitive == shared::kMiss ? scene_.sky : foundEmission(p, hit, direction));
+    sum += kPi * (hit.primitive == shared::kMiss ? scene_.sky : foundEmission(p, choice, hit, direction));
   }
   if (finite(sum)) return sum;
   ++counters.nonFinite;
@@ -177,9 +180,10 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
     // Light that reaches y without a further bounce.
     const vec2 choices = sampler.next(dimension, SamplePurpose::Choices);
     if (!lamps_.empty()) add(bucket, throughput * punctual(p, counters) / kPi);
+    const EmitterChoice choice = emitters_.weigh(p.origin, p.normal);
     if (emitters_.any()) {
       const vec2 u = sampler.next(dimension, SamplePurpose::LightPoint);
-      add(bucket, throughput * sampledEmitter(p, u, choices.x, counters) / kPi);
+      add(bucket, throughput * sampledEmitter(p, choice, u, choices.x, counters) / kPi);
     }
 
     const bool last = bounce + 1 >= maxBounces_;
@@ -200,7 +204,7 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
       add(bucket, throughput * scene_.sky);
       return;
     }
-    if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, hit, direction));
+    if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, choice, hit, direction));
     if (last) return;
   }
 }

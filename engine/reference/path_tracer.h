@@ -12,9 +12,9 @@ namespace hl {
 
 /// Rays start this far in front of the surface, as a share of the scene's extent (the larger of its diagonal and its largest coordinate): more than a
 /// hit point is off through rounding, less than anything that could be modelled.
-inline constexpr float kHitRayOffset = 4e-6f;
+inline constexpr float kHitRayOffset = 1e-6f;
 /// The same for receivers that a rasteriser interpolated.
-inline constexpr float kReceiverRayOffset = 2e-5f;
+inline constexpr float kReceiverRayOffset = 4e-6f;
 
 /// A point that light arrives at.
 struct ShadingPoint {
@@ -53,9 +53,9 @@ class PathTracer {
     float cosInner = -2, cosOuter = -2;
     bool directional = false;
   };
-  vec3 sampledEmitter(const ShadingPoint&, vec2 pointU, float choiceU, PathCounters&) const;
+  vec3 sampledEmitter(const ShadingPoint&, const EmitterChoice&, vec2 pointU, float choiceU, PathCounters&) const;
   /// Radiance that the hit triangle sends back along the ray, weighed against light sampling.
-  vec3 foundEmission(const ShadingPoint& from, const shared::Hit&, vec3 direction) const;
+  vec3 foundEmission(const ShadingPoint& from, const EmitterChoice&, const shared::Hit&, vec3 direction) const;
 
   const EmbreeScene& embree_;
   const Scene& scene_;
