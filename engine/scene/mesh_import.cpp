@@ -168,7 +168,7 @@ bool isMeshFile(const std::filesystem::path& file) {
 Scene importMesh(const std::filesystem::path& file, double scale, Progress* progress, std::vector<ImportInput>* inputs) {
   if (!isMeshFile(file)) throw badInput(fmt::format("{}: not a kind of mesh that is read; {} are", file.string(), kMeshKinds));
   std::vector<ImportInput> read;
-  const std::string bytes = readFile(file);
+  std::string bytes = readFile(file);
   read.push_back({file, hashOf(bytes)});
   const bool obj = lowerExtension(file) == ".obj";
   if (progress) progress->begin("import: check", 1);
@@ -176,7 +176,7 @@ Scene importMesh(const std::filesystem::path& file, double scale, Progress* prog
   if (obj)
     summary = checkObj(bytes, file, progress);
   else
-    checkGltf(bytes, file, progress);
+    bytes = checkGltf(bytes, file, progress);
   AssimpMesh mesh = readWithAssimp(file, bytes, scale, progress, read);
   if (obj) applyMtl(file, summary, mesh, read);
   dropUnused(mesh);

@@ -27,5 +27,7 @@ inline constexpr const char* kMeshKinds = ".obj, .gltf, .glb";
 /// The same through the cache in cacheFolder(): by content of the mesh file and `scale`; a file that is damaged, of another version, or whose
 /// inputs have changed is made anew.
 Scene importMeshCached(const std::filesystem::path& file, double scale, Progress*);
+/// Where that cache keeps this mesh.
+std::filesystem::path importCacheFile(const std::filesystem::path& file, double scale);
 
 }  // namespace hl

@@ -1,10 +1,22 @@
 #include "engine/scene/scene.h"
 
+#include <algorithm>
+#include <glm/vector_relational.hpp>
+
 #include "engine/core/hash.h"
 #include "engine/scene/scene_build.h"
+#include "engine/scene/texture_sampling.h"
 
 namespace hl {
 namespace {
+
+/// The highest value of each channel, linear.
+vec3 brightest(const Texture& t) {
+  uint8_t most[4] = {};
+  for (size_t i = 0; i < t.rgba.size(); ++i) most[i % 4] = std::max(most[i % 4], t.rgba[i]);
+  const auto& decode = srgbDecodeTable();
+  return vec3(decode[most[0]], decode[most[1]], decode[most[2]]);
+}
 
 bool emits(const Material& m) { return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0; }
 
@@ -75,8 +87,11 @@ void finishScene(Scene& scene) {
   for (const uvec3 t : scene.indices)
     for (const uint32_t v : {t.x, t.y, t.z}) scene.bounds.extend(scene.positions[v]);
   for (Material& m : scene.materials) {
-    const vec3 capped = glm::min(m.albedo, vec3(kMaxAlbedo));
-    if (capped != m.albedo) m.albedo = capped, ++scene.report.cappedAlbedo;
+    const vec3 highest = m.albedo * (m.albedoTexture == kNone ? vec3(1.0f) : brightest(scene.textures[m.albedoTexture]));
+    if (glm::all(glm::lessThanEqual(highest, vec3(kMaxAlbedo)))) continue;
+    ++scene.report.cappedAlbedo;
+    // With a texture it is the product that is capped, where it is looked up.
+    if (m.albedoTexture == kNone) m.albedo = glm::min(m.albedo, vec3(kMaxAlbedo));
   }
   recentreScene(scene);
   if (scene.cameras.empty()) scene.cameras.push_back(sensibleCamera(scene));
