@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "engine/core/error.h"
@@ -43,16 +44,23 @@ void undoSrgb(Image& image, int alphaChannel) {
       image.data[i] = linearOfSrgb(image.data[i]);
 }
 
-/// libjpeg fills what is missing with grey and only warns: a JPEG that does not end with its end marker is cut off.
-bool jpegCutOff(const std::filesystem::path& file) {
+/// libjpeg fills what is missing with grey and only warns; libpng says its own line on stderr and jumps over
+/// destructors. So a file that does not end with its format's end marker never reaches them. Some writers pad behind
+/// the marker.
+bool endsWith(const std::filesystem::path& file, std::string_view marker) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   const std::streamoff size = in.tellg();
-  // Some writers pad behind the marker.
   const std::streamoff tail = std::min<std::streamoff>(size, 4096);
-  std::string bytes(static_cast<size_t>(tail), '\0');
+  std::string bytes(static_cast<size_t>(std::max<std::streamoff>(tail, 0)), '\0');
   in.seekg(size - tail);
   in.read(bytes.data(), tail);
-  return bytes.rfind("\xff\xd9") == std::string::npos;
+  return bytes.rfind(marker) != std::string::npos;
+}
+
+bool cutOff(const std::filesystem::path& file, std::string_view format) {
+  if (format == "jpeg") return !endsWith(file, "\xff\xd9");
+  if (format == "png") return !endsWith(file, "IEND\xae\x42\x60\x82");
+  return false;
 }
 
 /// Text chunks are Latin-1 in PNG and bytes in EXR: only ASCII means the same in both.
@@ -79,8 +87,8 @@ Image readWithOiio(const std::filesystem::path& file, bool srgbToLinear) {
   if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1 || values > kMostValues)
     throw badInput(fmt::format("{}: {} x {} x {} pixels of {} channels are no image this program reads", file.string(),
                                spec.width, spec.height, spec.depth, spec.nchannels));
-  if (std::string(in->format_name()) == "jpeg" && jpegCutOff(file))
-    throw badInput(fmt::format("{}: cut off: the JPEG's end marker is missing", file.string()));
+  if (cutOff(file, in->format_name()))
+    throw badInput(fmt::format("{}: cut off: the end marker of its format is missing", file.string()));
   Image image(spec.width, spec.height, spec.nchannels);
   if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.data.data()))
     throw badInput(fmt::format("{}: cut off or damaged: {}", file.string(), oneLine(in->geterror())));
