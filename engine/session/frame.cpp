@@ -152,6 +152,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
   r.message = s.message;
+  r.techniqueFailed = s.held;
   r.pick = s.pickReport;
   r.picked = s.picked;
   r.scene = s.summary;

@@ -74,6 +74,7 @@ struct FrameResult {
   bool settled = false;              ///< nothing would change with further frames
   Provenance provenance;
   std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""
+  bool techniqueFailed = false;      ///< its preparation was cancelled or failed: there is no indirect light in the picture
   PickReport pick;
   PickedPoint picked;                ///< of the last pick(); `triangle` is kNone where the pixel shows no surface
   std::shared_ptr<const Scene> scene;  ///< names, materials, lights, cameras, regions, bounds and report; geometry and textures left out
