@@ -93,7 +93,7 @@ HL_INLINE float triangleSolidAngle(vec3 from, vec3 p0, vec3 p1, vec3 p2) {
 /// image, and the area density differs from the uniform one by about as little.
 HL_CONST float kSphericalMinSize = 0.02f;
 /// Above this solid angle [sr] two vertices are nearly opposite each other as seen from the point, and the arc between them is undefined.
-HL_CONST float kSphericalMaxSolidAngle = 6.2f;
+HL_CONST float kSphericalMaxSolidAngle = 6.28f;
 
 struct TriangleSample {
   vec3 direction;  ///< unit
@@ -146,7 +146,8 @@ HL_INLINE TriangleSample sampleTriangleLight(vec3 from, vec3 p0, vec3 p1, vec3 p
   vec3 a = normalize(va);
   vec3 b = vb / lb;
   vec3 t = normalize(e2 - a * dot(a, e2));  // tangent at a of the arc towards c
-  float oneAb = 1.0f + dot(a, b);
+  vec3 ab = a + b;
+  float oneAb = 0.5f * dot(ab, ab);  // 1 + a.b, which cancels where they are nearly opposite
   float bt = dot(e1, t) / lb;
   float half0 = 0.5f * solidAngle;
   float half1 = half0 * u.x;
@@ -192,6 +193,20 @@ HL_INLINE float formFactorEdge(vec3 a, vec3 b, vec3 n) {
 HL_INLINE float triangleFormFactor(vec3 from, vec3 n, vec3 p0, vec3 p1, vec3 p2) {
   vec3 previous = p2 - from;
   float hPrevious = dot(previous, n);
+  float near = min(length(p0 - from), min(length(p1 - from), length(previous)));
+  float edge = max(length(p1 - p0), max(length(p2 - p0), length(p2 - p1)));
+  if (edge < kSphericalMinSize * near && min(hPrevious, min(dot(p0 - from, n), dot(p1 - from, n))) > 0.0f) {
+    // Far away the edges' shares cancel unless the point faces the triangle; the kernel at the edges' middles (exact to second order) does not.
+    vec3 areaNormal = cross(p1 - p0, p2 - p0);
+    float ahead = abs(dot(areaNormal, p0 - from));
+    float kernel = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+      vec3 middle = 0.5f * (i == 0 ? p0 + p1 : (i == 1 ? p1 + p2 : p2 + p0)) - from;
+      float d2 = dot(middle, middle);
+      kernel += dot(middle, n) / (d2 * d2);
+    }
+    return ahead * kernel / (6.0f * kPi);
+  }
   vec3 first = vec3(0.0f);
   vec3 last = vec3(0.0f);
   int count = 0;
