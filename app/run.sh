@@ -33,5 +33,5 @@ cmake --build "$build" --target "$program" -j "$halflight_jobs" >&2
 if $headless; then
   exec "$build/app/halflight-cli" render "$experiment"
 else
-  exec "$build/app/halflight" "$experiment"
+  exec "$build/ui/halflight" "$experiment"
 fi
