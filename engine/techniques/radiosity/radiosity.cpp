@@ -1,4 +1,6 @@
 // Progressive radiosity on a lightmap (Kahl 2023, chapters 2.8, 4 and 5), as a technique: parameters, bake, and the lightmap at pixels.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "engine/core/error.h"
@@ -123,7 +125,7 @@ class Radiosity final : public Technique {
     const uint32_t lumel = atlas_->lumelOfTexel[index];
     if (lumel != kNone) return bake_->pick(lumel);
     PickReport report;
-    report.facts = {{"texel", "(" + std::to_string(texel.x) + ", " + std::to_string(texel.y) + ")"},
+    report.facts = {{"texel", fmt::format("({}, {})", texel.x, texel.y)},
                     {"state", atlas_->texelState[index] == TexelInside ? "inside other geometry" : "not covered"}};
     return report;
   }
