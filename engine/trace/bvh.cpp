@@ -253,7 +253,7 @@ Bvh buildBvh(const Scene& scene, const std::vector<bool>& alphaTested, TaskPool&
   }
 
   Bvh bvh;
-  bvh.stackSize = stackNeed(nodes, 0, bvh.cost, halfArea(rootBox)) + 1;
+  bvh.stackSize = stackNeed(nodes, 0, bvh.cost, halfArea(rootBox)) + 1 + 1;  // a slot is written before it is counted
   bvh.nodes = nodeTexels(nodes);
   bvh.triangles.reserve(references.size() * kBvhTriangleTexels);
   for (const Reference& ref : references) {

@@ -19,7 +19,7 @@ inline constexpr uint32_t kBvhCountShift = 26, kBvhFirstMask = (1u << 26) - 1, k
 struct Bvh {
   std::vector<vec4> nodes;      ///< 7 a node: min x of the 4 children, max x, min y, max y, min z, max z, children. Node 0 is the root.
   std::vector<vec4> triangles;  ///< 3 a triangle, in leaf order: (p0, scene triangle), (p1, 1 where alpha-tested), (p2, 0)
-  uint32_t stackSize = 1;       ///< entries that a depth-first walk needs at most
+  uint32_t stackSize = 1;       ///< entries that a depth-first walk needs at most, one of them for a store that may not count
   double cost = 0;              ///< surface area heuristic: expected node and triangle tests a random ray makes through the root's box
 };
 
