@@ -1,0 +1,184 @@
+// halflight-cli: the command line. The only file that sees CLI11.
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <clocale>
+#include <cstdio>
+#include <new>
+
+#include "app/cli_commands.h"
+#include "engine/core/error.h"
+#include "engine/core/log.h"
+
+namespace {
+
+using namespace hl::cli;
+
+struct Arguments {
+  GlobalOptions global;
+  std::string listWhat, doctorScene = "cornell_box";
+  RenderOptions render;
+  ReferenceOptions reference;
+  CompareOptions compare;
+  bool markdown = false, schema = false;
+};
+
+/// A repeatable option that takes one value each time it stands there, so that it never swallows a file name.
+template <class T>
+CLI::Option* repeated(CLI::App* command, const char* name, T& values, const char* help) {
+  return command->add_option(name, values, help)->allow_extra_args(false)->take_all();
+}
+
+void defineGlobal(CLI::App& app, GlobalOptions& global) {
+  app.add_option("--device", global.device, "Vulkan device: its index in `list devices`, or part of its name");
+  app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree or bvh");
+  app.add_flag("--verbose", global.verbose, "Say more on stderr");
+  app.add_flag("--validation", global.validation, "Validation layers on; any message fails the run");
+  app.add_flag("--json", global.json, "Print one JSON document and nothing else");
+  app.set_version_flag("--version", HALFLIGHT_VERSION);
+}
+
+void defineRender(CLI::App& app, RenderOptions& o) {
+  CLI::App* c = app.add_subcommand("render", "Render until the work has settled, and say what it took");
+  c->add_option("TARGET", o.target, "Preset, scene, mesh, or an image that carries its preset")->required();
+  c->add_option("--technique", o.technique, "In place of the preset's");
+  repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
+  c->add_option("--frames", o.frames, "Exactly so many frames")->check(CLI::Range(1, 1'000'000));
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+  c->add_option("--seed", o.seed, "Seed of the random sequences");
+  repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
+      ->delimiter(',');
+  repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');
+  c->add_option("--out", o.out, "Folder for result.json, the picture and the linear images");
+}
+
+void defineReference(CLI::App& app, ReferenceOptions& o) {
+  CLI::App* c = app.add_subcommand("reference", "Path trace the truth");
+  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  c->add_option("--spp", o.samples, "Paths a pixel or texel");
+  c->add_option("--bounces", o.bounces, "Indirect bounces: a number, or inf");
+  c->add_flag("--diffuse-only", o.diffuseOnly,
+              "Diffuse reflection alone, which is all that materials have in this version");
+  c->add_flag("--lightmap", o.lightmap, "At the texels of the lightmap, in place of the camera's pixels");
+  repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+  c->add_option("--out", o.out, "EXR or PFM file; direct and indirect irradiance go beside it");
+}
+
+void defineCompare(CLI::App& app, CompareOptions& o) {
+  CLI::App* c = app.add_subcommand("compare", "Errors of image A against image B");
+  c->add_option("A", o.value, "The image")->required();
+  c->add_option("B", o.reference, "What it is measured against")->required();
+  repeated(c, "--metric", o.metrics, "One of `list metrics`; may be repeated; all of them where left out")
+      ->delimiter(',');
+  repeated(c, "--roi", o.regions, "x,y,width,height in pixels; may be repeated");
+  c->add_option("--map", o.map, "The first metric's map: .exr or .pfm as values, .png in false colours");
+}
+
+void define(CLI::App& app, Arguments& a) {
+  app.require_subcommand(0, 1);
+  app.fallthrough();
+  app.allow_extras();  // so that what is unknown gets a message of our own
+  defineGlobal(app, a.global);
+  app.add_subcommand("list", fmt::format("What there is: {}", fmt::join(listKinds(), ", ")))
+      ->add_option("WHAT", a.listWhat, "What to list")
+      ->required();
+  app.add_subcommand("doctor", "Device, driver, tracers with their rates, and what is missing")
+      ->add_option("SCENE", a.doctorScene, "Scene that rays are timed on");
+  defineRender(app, a.render);
+  defineReference(app, a.reference);
+  defineCompare(app, a.compare);
+  CLI::App* describe = app.add_subcommand("describe", "Every parameter");
+  describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
+  describe->add_flag("--schema", a.schema, "The JSON Schema of presets");
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->fallthrough();
+}
+
+/// What neither the program nor the command knows, with the nearest thing it does know.
+void refuseExtras(const CLI::App& app) {
+  const std::vector<std::string> extras = app.remaining(true);
+  const auto used = app.get_subcommands();
+  if (used.empty()) {
+    std::vector<std::string> commands;
+    for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; }))
+      commands.push_back(c->get_name());
+    const auto word =
+        std::find_if(extras.begin(), extras.end(), [](const std::string& e) { return !e.starts_with("-"); });
+    if (word == extras.end() && extras.empty())
+      throw hl::badInput(fmt::format("a command is wanted: {}; --help says more", fmt::join(commands, ", ")));
+    if (word != extras.end()) {
+      const std::string near = hl::nearest(*word, commands);
+      throw hl::badInput(fmt::format("unknown command {}; {}", *word,
+                                     near.empty() ? fmt::format("there are {}", fmt::join(commands, ", "))
+                                                  : fmt::format("did you mean {}?", near)));
+    }
+  }
+  if (extras.empty()) return;
+  std::vector<std::string> options;
+  std::vector<const CLI::App*> scopes = {&app};
+  if (!used.empty()) scopes.push_back(used.front());
+  for (const CLI::App* scope : scopes)
+    for (const CLI::Option* o : scope->get_options())
+      if (!o->get_lnames().empty()) options.push_back("--" + o->get_lnames().front());
+  const std::string near = extras.front().starts_with("-") ? hl::nearest(extras.front(), options) : "";
+  throw hl::badInput(fmt::format("unknown argument {}{}{}", extras.front(),
+                                 used.empty() ? "" : " of " + used.front()->get_name(),
+                                 near.empty() ? "" : fmt::format("; did you mean {}?", near)));
+}
+
+int dispatch(const CLI::App& app, const Arguments& a) {
+  if (app.got_subcommand("list")) return list(a.global, a.listWhat);
+  if (app.got_subcommand("doctor")) return doctor(a.global, a.doctorScene);
+  if (app.got_subcommand("render")) return render(a.global, a.render);
+  if (app.got_subcommand("reference")) return reference(a.global, a.reference);
+  if (app.got_subcommand("compare")) return compare(a.global, a.compare);
+  return describe(a.markdown, a.schema);
+}
+
+std::string oneLine(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Halflight without a display: render, measure and compare global illumination.", "halflight-cli");
+  define(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForVersion& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    throw hl::badInput(e.what());
+  }
+  refuseExtras(app);
+  hl::setLogLevel(arguments.global.verbose ? hl::LogLevel::Debug : hl::LogLevel::Warning);
+  return dispatch(app, arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setlocale(LC_NUMERIC, "C");
+  int code = 1;
+  std::string message;
+  try {
+    code = run(argc, argv);
+  } catch (const hl::Error& e) {
+    message = e.what(), code = e.exitCode();
+  } catch (const std::bad_alloc&) {
+    message = "out of memory", code = 3;
+  } catch (const std::exception& e) {
+    message = e.what();
+  }
+  finishProgress();
+  if (!message.empty()) std::fprintf(stderr, "halflight-cli: %s\n", oneLine(message).c_str());
+  return code;
+}

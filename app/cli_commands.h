@@ -1,0 +1,75 @@
+#pragma once
+// The commands of halflight-cli. Each prints to stdout and returns the exit code; bad input and failures are thrown as
+// hl::Error.
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/progress.h"
+#include "engine/session/session.h"
+
+namespace hl::cli {
+
+struct GlobalOptions {
+  std::string device, tracer = "auto";
+  bool verbose = false, validation = false, json = false;
+
+  SessionOptions session() const { return {{device, validation}, tracer}; }
+};
+
+struct RenderOptions {
+  std::string target, technique, camera, resolution;
+  std::vector<std::string> set, metrics, errorTargets{"image"};
+  std::optional<int> frames;
+  std::optional<uint32_t> seed;
+  std::string out;
+};
+
+struct ReferenceOptions {
+  std::string target, camera, resolution;
+  std::vector<std::string> set;
+  std::optional<int> samples;
+  std::string bounces;
+  bool diffuseOnly = false, lightmap = false;
+  std::string out;
+};
+
+struct CompareOptions {
+  std::string value, reference;
+  std::vector<std::string> metrics, regions;
+  std::string map;
+};
+
+int list(const GlobalOptions&, const std::string& what);
+int doctor(const GlobalOptions&, const std::string& scene);
+int render(const GlobalOptions&, const RenderOptions&);
+int reference(const GlobalOptions&, const ReferenceOptions&);
+int compare(const GlobalOptions&, const CompareOptions&);
+int describe(bool markdown, bool schema);
+
+/// The kinds that `list` knows.
+const std::vector<std::string>& listKinds();
+
+/// Progress that Ctrl-C cancels (a second one ends the program), shown on stderr where that is a terminal.
+std::shared_ptr<Progress> interruptibleProgress(const GlobalOptions&);
+/// Ends the line on the terminal.
+void finishProgress();
+
+/// Writes all of it to stdout. @throws Error(Run) where it cannot (a full disk).
+void print(std::string_view text);
+/// One line on stderr, e.g. a warning.
+void note(std::string_view text);
+/// Messages of the validation layers, where they are on: printed, and the run has failed. Returns the exit code.
+int validationVerdict(const GlobalOptions&, Device&, int code);
+
+/// "640x360". @throws Error(BadInput)
+void setResolution(Preset&, const std::string& text);
+/// KEY=VALUE pairs into the preset's parameters, checked. @throws Error(BadInput)
+void setParameters(Preset&, const std::vector<std::string>& pairs);
+/// @throws Error(BadInput) naming the nearest known metric.
+void checkMetrics(const std::vector<std::string>&);
+
+}  // namespace hl::cli

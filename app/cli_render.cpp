@@ -1,0 +1,158 @@
+// `render`: a preset, scene or mesh until it has settled, with timings, errors and images.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/cli_commands.h"
+#include "app/cli_results.h"
+#include "engine/core/error.h"
+#include "engine/core/files.h"
+#include "engine/core/hash.h"
+#include "engine/core/image_io.h"
+#include "engine/experiment/open_target.h"
+
+namespace hl::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The preset that the command line asks for, checked before any device is touched.
+Preset wantedPreset(const RenderOptions& o) {
+  Preset preset = openTarget(o.target);
+  if (!o.technique.empty() && o.technique != preset.technique) {
+    techniqueInfo(o.technique);
+    const std::string own = preset.technique + ".";  // the old technique's parameters mean nothing to the new one
+    std::erase_if(preset.parameters, [&](const auto& p) { return p.first.starts_with(own); });
+    preset.technique = o.technique;
+  }
+  setResolution(preset, o.resolution);
+  if (o.seed) preset.seed = *o.seed;
+  if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
+  setParameters(preset, o.set);
+  checkMetrics(o.metrics);
+  for (const std::string& target : o.errorTargets)
+    if (target != "image" && target != "lightmap")
+      throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
+  return preset;
+}
+
+std::shared_ptr<const FrameResult> renderFrames(Session& session, int frames, Progress& progress) {
+  std::shared_ptr<const FrameResult> result;
+  for (int i = 0; i < frames; ++i) {
+    progress.check();
+    result = session.frame(&progress);
+  }
+  progress.check();
+  return result;
+}
+
+/// After a cancellation: one more frame of what is there, with nothing else going on.
+std::shared_ptr<const FrameResult> frameAsItStands(Session& session) {
+  Progress calm;
+  session.cancelWork();
+  session.setWorkPaused(true);
+  return session.frame(&calm);
+}
+
+class Folder {
+ public:
+  Folder(const std::string& path, RunResults& results) : path_(path), results_(results) {
+    std::error_code failed;
+    fs::create_directories(path_, failed);
+    if (failed) throw badInput(fmt::format("--out {}: the folder cannot be made: {}", path, failed.message()));
+    results_.folder = path;
+  }
+  void image(Session& session, const char* view, const std::string& name) {
+    Image image = session.image(view);
+    image.metadata = attributes();
+    writeImage(path_ / name, image);
+    results_.files.push_back(name);
+  }
+  void picture() {
+    const FrameResult& f = *results_.frame;
+    Image image(f.width, f.height, 3);
+    for (size_t i = 0; i < image.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(f.display[i * 4 + c]) / 255.0f;
+    image.metadata = attributes();
+    writeImage(path_ / "picture.png", image);
+    results_.files.emplace_back("picture.png");
+  }
+  void results() {
+    results_.files.emplace_back("result.json");
+    writeFileAtomically(path_ / "result.json", resultsJson(results_));
+  }
+
+ private:
+  std::map<std::string, std::string> attributes() const {
+    return imageAttributes(results_.frame->preset, results_.frame->provenance);
+  }
+  fs::path path_;
+  RunResults& results_;
+};
+
+void writeOut(Session& session, const std::string& path, RunResults& results) {
+  Folder folder(path, results);
+  folder.picture();
+  folder.image(session, "final", "final.exr");
+  folder.image(session, "indirect", "indirect.exr");
+  folder.image(session, "indirect_irradiance", "indirect_irradiance.exr");
+  if (session.currentReference()) {
+    folder.image(session, "reference", "reference.exr");
+    folder.image(session, "reference_indirect", "reference_indirect_irradiance.exr");
+  }
+  folder.results();
+}
+
+std::string hashOfImage(const Image& image) {
+  return hashOf({reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float)});
+}
+
+/// The errors of the run, with the references that they need.
+void measureRun(Session& session, const RenderOptions& o, RunResults& results, Progress& progress) {
+  for (const std::string& target : o.errorTargets) {
+    session.reference(target, &progress);
+    const std::vector<ErrorValue> errors = session.measureErrors(o.metrics, target);
+    results.errors.insert(results.errors.end(), errors.begin(), errors.end());
+  }
+}
+
+uint64_t nonFinitePixels(const std::vector<ErrorValue>& errors) {
+  uint64_t most = 0;
+  for (const ErrorValue& e : errors) most = std::max(most, e.nonFinite);
+  return most;
+}
+
+}  // namespace
+
+int render(const GlobalOptions& global, const RenderOptions& o) {
+  const Preset preset = wantedPreset(o);
+  for (const std::string& w : preset.warnings) note(w);
+  const auto progress = interruptibleProgress(global);
+  Session session(global.session());
+  session.useProgress(progress);
+  session.load(preset, progress.get());
+  for (const std::string& w : session.scene().report.warnings) note(w);
+
+  RunResults results;
+  try {
+    results.frame = o.frames ? renderFrames(session, *o.frames, *progress) : session.settle(progress.get());
+    if (!o.metrics.empty()) measureRun(session, o, results, *progress);
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Cancelled) throw;
+    results.cancelled = true;
+    results.frame = frameAsItStands(session);
+  }
+  finishProgress();
+  results.imageHash = hashOfImage(session.image("final"));
+  if (!o.out.empty()) writeOut(session, o.out, results);
+  print(global.json ? resultsJson(results) : resultsText(results));
+
+  if (results.cancelled) throw Error(ErrorKind::Cancelled, "cancelled; what was done is kept");
+  if (results.frame->techniqueFailed) throw Error(ErrorKind::Run, results.frame->message);
+  if (const uint64_t pixels = nonFinitePixels(results.errors))
+    throw Error(ErrorKind::Run, fmt::format("{} pixels are NaN or infinite: the comparison fails", pixels));
+  return validationVerdict(global, session.device(), 0);
+}
+
+}  // namespace hl::cli
