@@ -182,7 +182,9 @@ TEST_P(EveryTechnique, SealedRoomStaysDark) {
   preset.cameraName = "dark";
   const float dark = meanOf(settledIndirect(*session, preset)).y;
   EXPECT_LE(dark, 1e-3f * bright);
-  if (session->transport().bounces > 0) EXPECT_GT(bright, 0.1f);
+  if (session->transport().bounces > 0) {
+    EXPECT_GT(bright, 0.1f);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryTechnique, ::testing::ValuesIn(techniqueIds()), [](const auto& p) { return p.param; });
