@@ -106,10 +106,12 @@ inline std::vector<Receiver> receiversOverSurface(const Scene& s, int count) {
   }
   std::vector<Receiver> receivers;
   size_t t = 0;
+  uint32_t inTriangle = 0;
   for (int i = 0; i < count; ++i) {
     const double target = (i + 0.5) / count * area;
-    while (upTo[t] < target && t + 1 < upTo.size()) ++t;
-    const vec2 w = shared::sampleTriangle(shared::r2Point(static_cast<uint32_t>(i), uvec2(0x1234567u, 0x89abcdefu)));
+    while (upTo[t] < target && t + 1 < upTo.size()) ++t, inTriangle = 0;
+    const uint32_t seed = shared::pcgHash(static_cast<uint32_t>(t));
+    const vec2 w = shared::sampleTriangle(shared::sobolPoint(inTriangle++, uvec2(seed, shared::pcgHash(seed))));
     const auto p = corners(t);
     receivers.push_back(receiverAt(p[0] + (p[1] - p[0]) * w.x + (p[2] - p[0]) * w.y,
                                    glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]))));
