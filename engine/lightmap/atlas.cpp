@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <unordered_map>
 
 #include "engine/lightmap/charts.h"
 #include "engine/lightmap/coverage.h"
@@ -42,8 +43,21 @@ bool insideUnitSquare(std::vector<vec2>& uvs) {
   return true;
 }
 
-/// Triangles that share an edge in the lightmap (same two UVs, to the bit) are of one chart.
-std::vector<uint32_t> chartsByUv(const std::vector<vec2>& uvs, uint32_t* count) {
+/// A corner's place in the world and in the lightmap, to the bit. By the one alone, surfaces that merely touch in the lightmap would be one chart.
+struct CornerKey {
+  std::array<uint32_t, 5> bits;
+  bool operator==(const CornerKey&) const = default;
+};
+struct CornerHash {
+  size_t operator()(const CornerKey& k) const {
+    uint64_t h = 0x9e3779b97f4a7c15ull;
+    for (uint32_t v : k.bits) h = (h ^ v) * 0xff51afd7ed558ccdull, h ^= h >> 32;
+    return static_cast<size_t>(h);
+  }
+};
+
+/// Triangles that share an edge both in the world and in the lightmap are of one chart.
+std::vector<uint32_t> chartsByUv(const Scene& scene, const std::vector<vec2>& uvs, uint32_t* count) {
   const auto triangles = static_cast<uint32_t>(uvs.size() / 3);
   std::vector<uint32_t> parent(triangles);
   std::iota(parent.begin(), parent.end(), 0u);
@@ -51,17 +65,25 @@ std::vector<uint32_t> chartsByUv(const std::vector<vec2>& uvs, uint32_t* count) 
     while (parent[t] != t) t = parent[t] = parent[parent[t]];
     return t;
   };
+  std::unordered_map<CornerKey, uint32_t, CornerHash> numbers;
+  numbers.reserve(uvs.size());
+  const auto numberOf = [&](uint32_t t, uint32_t c) {
+    const vec3 p = scene.positions[scene.indices[t][static_cast<int>(c)]];
+    const vec2 uv = uvs[3 * t + c];
+    CornerKey key{};
+    size_t i = 0;
+    for (float f : {p.x, p.y, p.z, uv.x, uv.y}) key.bits[i++] = std::bit_cast<uint32_t>(f + 0.0f);  // -0 becomes 0
+    return numbers.try_emplace(key, static_cast<uint32_t>(numbers.size())).first->second;
+  };
   struct Edge {
-    std::array<uint64_t, 2> ends;
+    std::array<uint32_t, 2> ends;
     uint32_t triangle;
   };
-  std::vector<Edge> edges(3 * static_cast<size_t>(triangles));
-  const auto key = [](vec2 uv) {
-    return static_cast<uint64_t>(std::bit_cast<uint32_t>(uv.x + 0.0f)) << 32 | std::bit_cast<uint32_t>(uv.y + 0.0f);
-  };
+  std::vector<Edge> edges(uvs.size());
   for (uint32_t t = 0; t < triangles; ++t) {
+    const std::array<uint32_t, 3> corner{numberOf(t, 0), numberOf(t, 1), numberOf(t, 2)};
     for (uint32_t c = 0; c < 3; ++c) {
-      const uint64_t a = key(uvs[3 * t + c]), b = key(uvs[3 * t + (c + 1) % 3]);
+      const uint32_t a = corner[c], b = corner[(c + 1) % 3];
       edges[3 * t + c] = {{std::min(a, b), std::max(a, b)}, t};
     }
   }
@@ -100,7 +122,7 @@ std::optional<Layout> layoutFromUvs(const Scene& scene, const std::vector<vec2>&
   if (static_cast<double>(layout.coverage.overlapping) > static_cast<double>(settings.uvOverlapTolerance) * covered) return std::nullopt;
   if (layout.coverage.uncoveredArea > kMaxUvUncovered * layout.coverage.area) return std::nullopt;
   if (layout.coverage.flatArea > kMaxUvUncovered * layout.coverage.area) return std::nullopt;
-  layout.charts = chartsByUv(layout.uvs, &layout.report.charts);
+  layout.charts = chartsByUv(scene, layout.uvs, &layout.report.charts);
   return layout;
 }
 

@@ -209,6 +209,17 @@ TEST(Atlas, OverlapsAreCountedAndToleratedOnlyUpToTheTolerance) {
   EXPECT_EQ(own.report.charts, 2u);
 }
 
+TEST(Atlas, SurfacesThatTouchOnlyInTheLightmapAreTwoCharts) {
+  Maker m;
+  m.scene.hasUvs = true;
+  m.quad(vec3(0), vec3(1, 0, 0), vec3(0, 1, 0), vec2(0.0f, 0.0f), vec2(0.5f, 1.0f));
+  m.quad(vec3(9, 0, 0), vec3(1, 0, 0), vec3(0, 1, 0), vec2(0.5f, 0.0f), vec2(1.0f, 1.0f));
+  const Atlas atlas = build(m.scene, 16);
+  EXPECT_FALSE(atlas.report.ownCharts);
+  EXPECT_EQ(atlas.report.charts, 2u);
+  EXPECT_NE(atlas.charts[1], atlas.charts[2]);
+}
+
 TEST(Atlas, CoordinatesThatFoldTrianglesFlatAreNotUsed) {
   Maker m;
   m.scene.hasUvs = true;
