@@ -1,0 +1,84 @@
+// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT]
+#include <QCommandLineParser>
+#include <QFileInfo>
+#include <clocale>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "ui/heartbeat.h"
+#include "ui/main_window.h"
+#include "ui/session_link.h"
+#include "ui/settings.h"
+
+namespace {
+
+/// Answers that need no display.
+bool wantsText(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    for (const char* word : {"-h", "--help", "--help-all", "-v", "--version"})
+      if (std::strcmp(argv[i], word) == 0) return true;
+  return false;
+}
+
+struct Arguments {
+  QString file, device, tracer;
+  bool measure = false;
+};
+
+Arguments parse(const QCoreApplication& app) {
+  QCommandLineParser parser;
+  parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination."));
+  parser.addHelpOption();
+  parser.addVersionOption();
+  parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh or screenshot to open; a scene's name will do."), "[FILE]");
+  const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
+  const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
+  const QCommandLineOption measure("measure-ui",
+                                   QCoreApplication::translate("main", "Measure the window's own responsiveness, and print it as JSON at the end."));
+  parser.addOptions({device, tracer, measure});
+  parser.process(app);
+  if (parser.positionalArguments().size() > 1) {
+    std::fprintf(stderr, "halflight: one file at most\n");
+    std::exit(2);
+  }
+  return {parser.positionalArguments().value(0), parser.value(device), parser.value(tracer), parser.isSet(measure)};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  QCoreApplication::setApplicationName("halflight");
+  QCoreApplication::setApplicationVersion(HALFLIGHT_VERSION);
+  if (wantsText(argc, argv)) {
+    QCoreApplication text(argc, argv);
+    parse(text);
+    return 0;
+  }
+  // Docks float and keep their place under xcb; Wayland lets no window choose its place.
+  if (qEnvironmentVariableIsEmpty("QT_QPA_PLATFORM") && !qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY") && !qEnvironmentVariableIsEmpty("DISPLAY"))
+    qputenv("QT_QPA_PLATFORM", "xcb");
+  hl::ui::MeasuredApplication app(argc, argv);
+  std::setlocale(LC_NUMERIC, "C");  // files are written and read with a decimal point, whatever the desktop's language
+  const Arguments arguments = parse(app);
+  hl::SessionOptions options;
+  options.device.select = arguments.device.toStdString();
+  options.tracer = arguments.tracer.toStdString();
+  // A path as the person's shell sees it; a scene's name stays as it is.
+  const QFileInfo file(arguments.file);
+  const QString open = !arguments.file.isEmpty() && file.exists() ? file.absoluteFilePath() : arguments.file;
+
+  hl::ui::Settings settings;
+  hl::ui::SessionLink link(options);
+  hl::ui::MainWindow window(link, settings, open);
+  window.show();
+  hl::ui::Heartbeat heartbeat;
+  if (arguments.measure) heartbeat.start(), app.startMeasuring();
+  const int code = QApplication::exec();
+  if (arguments.measure)
+    std::printf("{\"beats\": %zu, \"late_ms_p50\": %.2f, \"late_ms_p99\": %.2f, \"late_ms_max\": %.2f, \"events\": %zu, "
+                "\"event_thread_ms_max\": %.2f, \"longest_event\": \"%s\", \"events_over_50_ms\": %zu}\n",
+                heartbeat.beats(), heartbeat.quantile(0.5), heartbeat.quantile(0.99), heartbeat.quantile(1), app.events(), app.longestEventMs(),
+                app.longestEvent().c_str(), app.eventsOver(50));
+  return code;
+}

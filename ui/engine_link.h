@@ -1,0 +1,65 @@
+#pragma once
+// What the window knows of the engine: edits go out, results come back, nothing waits. SessionLink is the real one; tests put their own in its place.
+#include <QObject>
+#include <QString>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "engine/session/session.h"
+
+namespace hl::ui {
+
+class EngineLink : public QObject {
+  Q_OBJECT
+ public:
+  using QObject::QObject;
+
+  // Edits. They return at once; a refused one comes back as failed(), and the session stays as it was.
+  virtual void load(const Preset&) = 0;
+  /// A preset, scene, mesh or screenshot; "" the default preset. Answered by opened() or failed().
+  virtual void open(const QString& path) = 0;
+  /// A scene by name or path, technique and parameters kept. Answered by opened() or failed().
+  virtual void openScene(const QString& nameOrPath) = 0;
+  /// The technique, then each of these of its parameters.
+  virtual void setTechnique(const std::string& id, const std::map<std::string, std::string>& parameters) = 0;
+  virtual void setParam(const std::string& key, const std::string& text) = 0;
+  virtual void setCamera(const Camera&) = 0;
+  virtual void setCameraName(const std::string&) = 0;
+  virtual void setLights(const LightEdits&) = 0;
+  virtual void setResolution(int width, int height) = 0;
+  virtual void setSeed(uint32_t) = 0;
+  virtual void setDisplay(const Display&) = 0;
+  virtual void pick(int x, int y) = 0;
+  virtual void setReferenceWanted(bool) = 0;
+  virtual void setWorkPaused(bool) = 0;
+  virtual void cancelWork() = 0;
+  virtual void restartWork() = 0;
+  virtual void resetTechnique() = 0;
+  virtual void reloadShaders() = 0;
+  /// The session's own preset, answered by presetIs() with the same ticket once all edits posted before it are through.
+  virtual void requestPreset(quint64 ticket) = 0;
+  /// Written off the window's thread. Answered by saved() or failed().
+  virtual void savePreset(const Preset&, const QString& path) = 0;
+  virtual void saveScene(std::shared_ptr<const FrameResult>, const QString& path) = 0;
+  virtual void saveScreenshot(std::shared_ptr<const FrameResult>, const Preset&, const QString& path) = 0;
+
+  /// Starts a new session where the old one has lost its device; whatever it held is gone.
+  virtual void restart() = 0;
+  /// Stops the running import, bake or reference at once.
+  virtual void cancel() = 0;
+  virtual void setVisible(bool) = 0;
+  virtual void setPaused(bool) = 0;
+  virtual std::shared_ptr<const FrameResult> latest() const = 0;
+  virtual std::shared_ptr<const Progress> progress() const = 0;
+
+ signals:
+  void frameReady();
+  void failed(const QString& message, hl::ErrorKind kind);
+  void opened(const hl::Preset& preset, const QString& from);
+  void presetIs(const hl::Preset& preset, quint64 ticket);
+  void saved(const QString& path, const QString& what);  ///< what: "preset", "scene", "screenshot"
+  void shadersReloaded(const hl::ReloadReport& report);
+};
+
+}  // namespace hl::ui

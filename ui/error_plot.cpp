@@ -1,0 +1,98 @@
+#include "ui/error_plot.h"
+
+#include <qcustomplot.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/palette.h"
+#include "ui/plot_style.h"
+
+namespace hl::ui {
+namespace {
+
+/// Values below this are drawn there: a logarithmic axis has no zero.
+constexpr double kLeast = 1e-12;
+
+}  // namespace
+
+ErrorPlot::ErrorPlot(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) {
+  auto* column = new QVBoxLayout(this);
+  column->setContentsMargins(0, 0, 0, 0);
+  column->addWidget(plot_);
+  plot_->setMinimumHeight(120);
+  plot_->setInteractions(QCP::iRangeDrag | QCP::iRangeZoom);
+  plot_->legend->setVisible(true);
+  plot_->axisRect()->insetLayout()->setInsetAlignment(0, Qt::AlignTop | Qt::AlignRight);
+  const auto graph = [&](const QString& name, int slot, Qt::PenStyle style) {
+    QCPGraph* g = plot_->addGraph();
+    g->setName(name);
+    g->setPen(QPen(PassPalette::colour(slot), 2, style));
+    g->setScatterStyle(style == Qt::SolidLine ? QCPScatterStyle(QCPScatterStyle::ssDisc, 4) : QCPScatterStyle());
+    return g;
+  };
+  matched_ = graph(tr("matched reference"), 0, Qt::SolidLine);
+  full_ = graph(tr("full reference"), 3, Qt::SolidLine);
+  floor_ = graph(tr("noise floor (matched)"), 2, Qt::DashLine);
+  plot_->setAccessibleName(tr("Error over time"));
+  stylePlot(*plot_, *this);
+  connect(plot_, &QCustomPlot::mouseMove, this, [this](QMouseEvent* e) {
+    plot_->setToolTip(QStringLiteral("%1, %2")
+                          .arg(plot_->xAxis->pixelToCoord(e->position().x()), 0, 'g', 4)
+                          .arg(plot_->yAxis->pixelToCoord(e->position().y()), 0, 'g', 4));
+  });
+}
+
+void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::string& metric, const std::string& component, bool byFrames) {
+  // Bias has a sign and psnr is in decibels: both on a linear axis.
+  const bool logarithmic = metric != "bias" && metric != "psnr";
+  QVector<double> keys[2], values[2], floorKeys, floorValues;
+  for (const ConvergencePoint& p : points)
+    for (const ErrorValue& e : p.errors) {
+      if (e.metric != metric || e.component != component || e.target != "image" || !e.roi.empty() || !std::isfinite(e.value)) continue;
+      const size_t i = e.reference == "full" ? 1 : 0;
+      const double x = byFrames ? static_cast<double>(p.frame) : p.ms / 1000;
+      keys[i] << x;
+      values[i] << (logarithmic ? std::max(e.value, kLeast) : e.value);
+      if (i == 0 && e.noiseFloor > 0) floorKeys << x, floorValues << e.noiseFloor;
+    }
+  matched_->setData(keys[0], values[0], true);
+  full_->setData(keys[1], values[1], true);
+  floor_->setData(floorKeys, floorValues, true);
+  floor_->setVisible(!floorKeys.isEmpty());
+  if (logarithmic) {
+    makeLogarithmic(*plot_->yAxis);
+  } else {
+    plot_->yAxis->setScaleType(QCPAxis::stLinear);
+    plot_->yAxis->setTicker(QSharedPointer<QCPAxisTicker>(new QCPAxisTicker));
+    plot_->yAxis->setNumberFormat(QStringLiteral("gb"));
+    plot_->yAxis->setNumberPrecision(4);
+  }
+  plot_->xAxis->setLabel(byFrames ? tr("frames since the reset") : tr("seconds of work since the reset"));
+  plot_->yAxis->setLabel(QString::fromStdString(metric));
+  plot_->rescaleAxes(true);
+  if (logarithmic) {
+    plot_->yAxis->setRange(plot_->yAxis->range().lower / 2, plot_->yAxis->range().upper * 2);
+  } else {
+    plot_->yAxis->scaleRange(1.2);
+  }
+  plot_->xAxis->setRangeLower(0);
+  plot_->replot(QCustomPlot::rpQueuedReplot);
+}
+
+void ErrorPlot::exportTo(const QString& file) {
+  if (file.endsWith(QStringLiteral(".pdf"), Qt::CaseInsensitive))
+    plot_->savePdf(file);
+  else
+    plot_->savePng(file, 0, 0, 2);
+}
+
+void ErrorPlot::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::PaletteChange || event->type() == QEvent::FontChange) {
+    stylePlot(*plot_, *this);
+    plot_->replot(QCustomPlot::rpQueuedReplot);
+  }
+  QWidget::changeEvent(event);
+}
+
+}  // namespace hl::ui

@@ -1,0 +1,44 @@
+#include "ui/files.h"
+
+#include <QJsonDocument>
+#include <QJsonObject>
+
+#include "engine/core/error.h"
+#include "engine/core/files.h"
+#include "engine/core/image_io.h"
+#include "engine/experiment/open_target.h"
+#include "engine/scene/scene_file.h"
+
+namespace hl::ui {
+namespace {
+
+std::string provenanceJson(const FrameResult& f) {
+  const Provenance& p = f.provenance;
+  const auto text = [](const std::string& s) { return QString::fromStdString(s); };
+  const QJsonObject o{{"commit", text(p.commit)},       {"dirty", p.dirty},
+                      {"preset_hash", text(p.presetHash)}, {"scene_hash", text(p.sceneHash)},
+                      {"seed", static_cast<qint64>(p.seed)}, {"device", text(p.device)},
+                      {"driver", text(p.driver)},       {"api", text(p.api)},
+                      {"tracer", text(p.tracer)},       {"timing", text(p.timing)},
+                      {"image_hash", text(f.displayHash)}};
+  return QJsonDocument(o).toJson(QJsonDocument::Compact).toStdString();
+}
+
+}  // namespace
+
+void writeScreenshot(const FrameResult& frame, const Preset& preset, const std::filesystem::path& path) {
+  if (frame.display.empty()) throw Error(ErrorKind::Run, "screenshot: there is no frame yet");
+  Image image(frame.width, frame.height, 3);
+  for (size_t i = 0; i < image.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(frame.display[i * 4 + c]) / 255.0f;
+  image.metadata[kPresetAttribute] = presetJson(preset);
+  image.metadata[kProvenanceAttribute] = provenanceJson(frame);
+  writeImage(path, image);
+}
+
+void writeScene(const FrameResult& frame, const std::filesystem::path& path) {
+  if (!frame.scene) throw Error(ErrorKind::Run, "scene: none is loaded yet");
+  writeFileAtomically(path, sceneJson(*frame.scene));
+}
+
+}  // namespace hl::ui

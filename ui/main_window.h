@@ -1,0 +1,114 @@
+#pragma once
+// The workbench: the viewport in the middle, the docks round it, and the menus.
+#include <QElapsedTimer>
+#include <QMainWindow>
+#include <QTimer>
+#include <memory>
+
+#include "ui/bookmarks.h"
+#include "ui/catalog.h"
+#include "ui/document.h"
+#include "ui/palette.h"
+#include "ui/pass_table.h"
+
+class QDockWidget;
+class QLabel;
+class QProgressBar;
+class QToolButton;
+
+namespace hl::ui {
+
+class ErrorPanel;
+class LogPanel;
+class PresetActions;
+class ProfilerPanel;
+class ScenePanel;
+class ShaderWatcher;
+class TechniquePanel;
+class Viewport;
+class ViewportBar;
+
+class MainWindow : public QMainWindow {
+  Q_OBJECT
+ public:
+  /// `fileToOpen`: "" the default preset.
+  MainWindow(EngineLink&, Settings&, const QString& fileToOpen);
+  ~MainWindow() override;
+
+  Document& document() { return document_; }
+  Viewport& viewport() { return *viewport_; }
+  TechniquePanel& techniquePanel() { return *technique_; }
+  QList<QDockWidget*> docks() const { return docks_; }
+  QString noticeText() const { return error_; }
+
+ public slots:
+  void resetLayout();
+  void showShortcuts();
+
+ protected:
+  void closeEvent(QCloseEvent*) override;
+  void changeEvent(QEvent*) override;
+  void dragEnterEvent(QDragEnterEvent*) override;
+  void dropEvent(QDropEvent*) override;
+
+ private:
+  QDockWidget* addDock(const QString& name, const QString& title, QWidget* panel);
+  void buildDocks();
+  void buildMenus();
+  void buildStatusBar();
+  void connectEngine();
+  void listFiles();
+  void saveLayout();
+  void restoreLayout();
+
+  void onFrame();
+  void updatePanels();
+  void updateProgress();
+  void onFailed(const QString& message, ErrorKind);
+  void showError(const QString&, bool lasting = false);
+  void updateNotice();
+  void updateTitle();
+  void holdReference(bool held);
+  void wantReferenceForView();
+  void goToBookmark(int number);
+  void storeBookmark(int number);
+  void stepExposure(double stops);
+  void setPaused(bool);
+  void giveViewportCamera();
+  void restartEngine();
+
+  EngineLink& link_;
+  Settings& settings_;
+  Catalog catalog_;
+  Document document_;
+  PassPalette palette_;
+  PassModel passes_;
+  Bookmarks bookmarks_;
+  Viewport* viewport_;
+  ViewportBar* bar_;
+  TechniquePanel* technique_;
+  ScenePanel* scenePanel_;
+  ProfilerPanel* profiler_;
+  ErrorPanel* errors_;
+  LogPanel* log_;
+  PresetActions* files_;
+  std::unique_ptr<ShaderWatcher> watcher_;
+  QList<QDockWidget*> docks_;
+  QByteArray defaultLayout_;
+  QAction* reloadOnChange_ = nullptr;
+  QAction* pause_ = nullptr;
+
+  QLabel* status_ = nullptr;
+  QProgressBar* loading_ = nullptr;
+  QToolButton* cancelLoading_ = nullptr;
+  QToolButton* restart_ = nullptr;
+  QTimer panelTimer_, progressTimer_, errorTimer_;
+  QElapsedTimer loadingSince_;
+  const void* loadingWhat_ = nullptr;
+  std::shared_ptr<const FrameResult> frame_;
+  QString error_, frameMessage_;
+  std::optional<QPoint> focusPixel_;
+  bool closeDecided_ = false, closeAfterSave_ = false;
+};
+
+}  // namespace hl::ui

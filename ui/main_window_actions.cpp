@@ -1,0 +1,176 @@
+// The window's menus, keys and what they do.
+#include <QAction>
+#include <QCloseEvent>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QStatusBar>
+#include <algorithm>
+
+#include "ui/error_dock.h"
+#include "ui/main_window.h"
+#include "ui/preset_actions.h"
+#include "ui/scene_dock.h"
+#include "ui/shortcuts_dialog.h"
+#include "ui/viewport.h"
+
+namespace hl::ui {
+namespace {
+
+constexpr double kHalfStop = 0.5;
+constexpr double kExposureLimit = 20;
+
+}  // namespace
+
+void MainWindow::buildMenus() {
+  QMenu* file = menuBar()->addMenu(tr("&File"));
+  files_->fill(*file);
+  file->addSeparator();
+  file->addAction(tr("&Quit"), QKeySequence::Quit, this, &QWidget::close);
+
+  QMenu* edit = menuBar()->addMenu(tr("&Edit"));
+  QAction* undo = document_.undoStack().createUndoAction(this, tr("&Undo"));
+  undo->setShortcut(QKeySequence::Undo);
+  QAction* redo = document_.undoStack().createRedoAction(this, tr("&Redo"));
+  redo->setShortcuts({QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z), QKeySequence(Qt::CTRL | Qt::Key_Y)});
+  edit->addActions({undo, redo});
+
+  QMenu* view = menuBar()->addMenu(tr("&View"));
+  view->addAction(tr("Brighter by half a stop"), QKeySequence(Qt::Key_E), this, [this] { stepExposure(kHalfStop); });
+  view->addAction(tr("Darker by half a stop"), QKeySequence(Qt::SHIFT | Qt::Key_E), this, [this] { stepExposure(-kHalfStop); });
+  view->addAction(tr("Show NaN, Inf and negative pixels"), QKeySequence(Qt::Key_N), this, [this] {
+    Display d = document_.preset().display;
+    d.showInvalid = !d.showInvalid;
+    document_.editDisplay(d, tr("invalid pixels"));
+  });
+  view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] { viewport_->setFocus(); });
+  view->addSeparator();
+  for (QDockWidget* dock : docks_) view->addAction(dock->toggleViewAction());
+  view->addAction(tr("Reset &layout"), this, &MainWindow::resetLayout);
+  view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
+
+  QMenu* run = menuBar()->addMenu(tr("&Run"));
+  pause_ = run->addAction(tr("&Pause"), QKeySequence(Qt::Key_P), this, [this] { setPaused(pause_->isChecked()); });
+  pause_->setCheckable(true);
+  run->addAction(tr("Start the technique &again"), QKeySequence(Qt::CTRL | Qt::Key_R), this, [this] { link_.resetTechnique(); });
+  run->addAction(tr("&Cancel bake or reference"), QKeySequence(Qt::CTRL | Qt::Key_Period), this, [this] { link_.cancelWork(); });
+  run->addAction(tr("Re&sume what was cancelled"), this, [this] { link_.restartWork(); });
+  run->addSeparator();
+  run->addAction(tr("Reload &shaders"), QKeySequence(Qt::Key_F5), this, [this] { link_.reloadShaders(); });
+  reloadOnChange_ = run->addAction(tr("Reload shaders when their files change"));
+  reloadOnChange_->setCheckable(true);
+  reloadOnChange_->setChecked(true);
+
+  QMenu* help = menuBar()->addMenu(tr("&Help"));
+  help->addAction(tr("&Keyboard and mouse"), QKeySequence(Qt::Key_Question), this, &MainWindow::showShortcuts);
+  help->addAction(tr("&About"), this, [this] {
+    auto* box = new QMessageBox(QMessageBox::NoIcon, tr("About Halflight"),
+                                tr("<p><b>Halflight</b>: a workbench for research on real-time global illumination.</p>"
+                                   "<p>GPL-3.0-or-later. Made with Qt %1 and QCustomPlot.</p><p>%2</p>")
+                                    .arg(QString::fromLatin1(qVersion()), frame_ ? QString::fromStdString(frame_->provenance.commit) : QString()),
+                                QMessageBox::Close, this);
+    box->setAttribute(Qt::WA_DeleteOnClose);
+    box->open();
+  });
+}
+
+void MainWindow::showShortcuts() {
+  auto* dialog = new ShortcutsDialog(*menuBar(), this);
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->open();
+}
+
+void MainWindow::stepExposure(double stops) {
+  Display d = document_.preset().display;
+  d.exposure = static_cast<float>(std::clamp(static_cast<double>(d.exposure) + stops, -kExposureLimit, kExposureLimit));
+  document_.editDisplay(d, tr("exposure"));
+}
+
+void MainWindow::setPaused(bool paused) {
+  link_.setPaused(paused);
+  viewport_->setPaused(paused);
+}
+
+/// Not an edit: the preset keeps its view while the key is held.
+void MainWindow::holdReference(bool held) {
+  Display d = document_.preset().display;
+  if (held) {
+    errors_->setReferenceWanted(true);
+    d.view = "reference";
+  }
+  link_.setDisplay(d);
+}
+
+void MainWindow::wantReferenceForView() {
+  const std::string& v = document_.preset().display.view;
+  if (v.rfind("reference", 0) == 0 || v.rfind("error", 0) == 0) errors_->setReferenceWanted(true);
+}
+
+void MainWindow::giveViewportCamera() {
+  const auto scene = document_.scene();
+  const auto camera = document_.camera();
+  if (camera) viewport_->setCamera(*camera, scene ? scene->bounds.diagonal() : 0);
+}
+
+void MainWindow::goToBookmark(int number) {
+  const auto scene = document_.scene();
+  if (!scene) return;
+  if (const auto own = bookmarks_.stored(scene->name, number)) {
+    document_.moveCamera(*own);
+    giveViewportCamera();
+  } else if (static_cast<size_t>(number) <= scene->cameras.size()) {
+    document_.useCamera(scene->cameras[static_cast<size_t>(number - 1)].name);
+  } else {
+    statusBar()->showMessage(tr("No camera %1; Ctrl+%1 keeps the present one there").arg(number), 4000);
+  }
+}
+
+void MainWindow::storeBookmark(int number) {
+  const auto scene = document_.scene();
+  const auto camera = document_.camera();
+  if (!scene || !camera) return;
+  bookmarks_.store(scene->name, number, *camera);
+  scenePanel_->readCameras();
+  statusBar()->showMessage(tr("Camera kept under %1").arg(number), 4000);
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  const bool worthAsking = document_.modified() && (!document_.path().isEmpty() || document_.undoStack().count() > 0);
+  if (worthAsking && !closeDecided_) {
+    event->ignore();
+    auto* box = new QMessageBox(QMessageBox::Question, tr("Unsaved changes"), tr("Save the changes to this preset?"),
+                                QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, this);
+    box->setAttribute(Qt::WA_DeleteOnClose);
+    connect(box, &QMessageBox::finished, this, [this](int button) {
+      if (button == QMessageBox::Discard) {
+        closeDecided_ = true;
+        close();
+      } else if (button == QMessageBox::Save) {
+        closeAfterSave_ = true;
+        files_->save();
+      }
+    });
+    box->open();
+    return;
+  }
+  saveLayout();
+  QMainWindow::closeEvent(event);
+}
+
+void MainWindow::changeEvent(QEvent* event) {
+  if (event->type() == QEvent::WindowStateChange) link_.setVisible(!isMinimized());
+  QMainWindow::changeEvent(event);
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  if (PresetActions::acceptable(*event->mimeData())) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  event->acceptProposedAction();
+  files_->drop(*event->mimeData());
+}
+
+}  // namespace hl::ui

@@ -1,0 +1,29 @@
+#pragma once
+// One colour a pass, the same everywhere and in every run, told apart by people who see colours differently.
+#include <QColor>
+#include <QObject>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace hl::ui {
+
+class Settings;
+
+class PassPalette {
+ public:
+  /// Number of colours before two passes have to share one.
+  static int size();
+  static QColor colour(int slot);
+
+  /// Assignments of earlier runs come from `settings` and new ones go there; null: this run alone.
+  explicit PassPalette(Settings* settings = nullptr);
+  QColor of(const std::string& pass);
+
+ private:
+  Settings* settings_;
+  std::map<std::string, int> slots_;
+  std::vector<int> users_;
+};
+
+}  // namespace hl::ui

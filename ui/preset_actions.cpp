@@ -1,0 +1,159 @@
+#include "ui/preset_actions.h"
+
+#include <QAction>
+#include <QDateTime>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QMenu>
+#include <QMimeData>
+#include <QUrl>
+
+#include "ui/settings.h"
+
+namespace hl::ui {
+namespace {
+
+constexpr qsizetype kMostRecent = 10;
+const QString kRecentKey = QStringLiteral("recentFiles"), kFolderKey = QStringLiteral("lastFolder");
+
+}  // namespace
+
+PresetActions::PresetActions(Document& document, EngineLink& link, Settings& settings, QWidget* window)
+    : QObject(window), document_(document), link_(link), settings_(settings), window_(window) {
+  connect(&document_, &Document::openedFile, this, [this](const QString& path, const QStringList&) {
+    if (path.contains('/')) remember(path);  // not a scene's name
+  });
+  connect(&link_, &EngineLink::saved, this, [this](const QString& path, const QString& what) {
+    if (what == "preset") remember(path);
+  });
+}
+
+void PresetActions::fill(QMenu& menu) {
+  const auto add = [&](const QString& text, const QKeySequence& key, void (PresetActions::*slot)()) {
+    QAction* a = menu.addAction(text, this, slot);
+    if (!key.isEmpty()) a->setShortcut(key);
+    return a;
+  };
+  add(tr("&Open..."), QKeySequence::Open, &PresetActions::openFile);
+  add(tr("Open s&cene or mesh..."), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O), &PresetActions::openSceneFile);
+  presets_ = menu.addMenu(tr("&Presets"));
+  presets_->setEnabled(false);
+  recent_ = menu.addMenu(tr("&Recent"));
+  fillRecent();
+  menu.addSeparator();
+  add(tr("&Save preset"), QKeySequence::Save, &PresetActions::save);
+  add(tr("Save preset &as..."), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S), &PresetActions::saveAs);
+  add(tr("Save sc&ene as..."), {}, &PresetActions::saveSceneAs);
+  menu.addSeparator();
+  add(tr("Screens&hot..."), QKeySequence(Qt::Key_F12), &PresetActions::takeScreenshot);
+}
+
+void PresetActions::setPresets(const std::vector<PresetListing>& presets) {
+  presets_->clear();
+  for (const PresetListing& p : presets) {
+    const QString path = QString::fromStdString(p.file.string());
+    presets_->addAction(QString::fromStdString(p.label.empty() ? p.id : p.label), this, [this, path] { openPath(path); });
+  }
+  presets_->setEnabled(!presets.empty());
+}
+
+void PresetActions::openPath(const QString& path) {
+  settings_.setValue(kFolderKey, QFileInfo(path).path());
+  document_.open(path);
+}
+
+QString PresetActions::startFolder() const { return settings_.value(kFolderKey).toString(); }
+
+void PresetActions::openFile() {
+  auto* dialog = new QFileDialog(window_, tr("Open"), startFolder(),
+                                 tr("Presets, scenes, meshes, screenshots (*.json *.obj *.gltf *.glb *.png *.exr);;All files (*)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setFileMode(QFileDialog::ExistingFile);
+  connect(dialog, &QFileDialog::fileSelected, this, &PresetActions::openPath);
+  dialog->open();  // not exec(): frames go on
+}
+
+void PresetActions::openSceneFile() {
+  auto* dialog = new QFileDialog(window_, tr("Open scene or mesh"), startFolder(), tr("Scenes and meshes (*.json *.obj *.gltf *.glb)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setFileMode(QFileDialog::ExistingFile);
+  connect(dialog, &QFileDialog::fileSelected, this, &PresetActions::openPath);
+  dialog->open();
+}
+
+void PresetActions::save() {
+  if (document_.path().isEmpty())
+    saveAs();
+  else
+    document_.save(document_.path());
+}
+
+void PresetActions::saveAs() {
+  auto* dialog = new QFileDialog(window_, tr("Save preset"), startFolder(), tr("Presets (*.json)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix(QStringLiteral("json"));
+  connect(dialog, &QFileDialog::fileSelected, this, [this](const QString& path) {
+    settings_.setValue(kFolderKey, QFileInfo(path).path());
+    document_.save(path);
+  });
+  dialog->open();
+}
+
+void PresetActions::saveSceneAs() {
+  const auto frame = link_.latest();
+  if (!frame) return;
+  auto* dialog = new QFileDialog(window_, tr("Save scene"), startFolder(), tr("Scenes (*.json)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix(QStringLiteral("json"));
+  connect(dialog, &QFileDialog::fileSelected, this, [this, frame](const QString& path) { link_.saveScene(frame, path); });
+  dialog->open();
+}
+
+void PresetActions::takeScreenshot() {
+  const auto frame = link_.latest();  // of this moment, whatever the dialog takes
+  if (!frame) return;
+  auto* dialog = new QFileDialog(window_, tr("Save screenshot"), startFolder(), tr("PNG images (*.png)"));
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(QFileDialog::AcceptSave);
+  dialog->setDefaultSuffix(QStringLiteral("png"));
+  dialog->selectFile(QStringLiteral("halflight-%1.png").arg(QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"))));
+  connect(dialog, &QFileDialog::fileSelected, this, [this, frame](const QString& path) {
+    settings_.setValue(kFolderKey, QFileInfo(path).path());
+    link_.saveScreenshot(frame, frame->preset, path);
+  });
+  dialog->open();
+}
+
+void PresetActions::remember(const QString& path) {
+  QStringList files = settings_.value(kRecentKey).toStringList();
+  files.removeAll(path);
+  files.prepend(path);
+  while (files.size() > kMostRecent) files.removeLast();
+  settings_.setValue(kRecentKey, files);
+  fillRecent();
+}
+
+void PresetActions::fillRecent() {
+  if (!recent_) return;
+  recent_->clear();
+  const QStringList files = settings_.value(kRecentKey).toStringList();
+  for (const QString& path : files) {
+    QAction* a = recent_->addAction(path.section('/', -1), this, [this, path] { openPath(path); });
+    a->setToolTip(path);
+  }
+  recent_->setToolTipsVisible(true);
+  recent_->setEnabled(!files.isEmpty());
+}
+
+bool PresetActions::acceptable(const QMimeData& mime) {
+  const QList<QUrl> urls = mime.urls();
+  return urls.size() == 1 && urls.front().isLocalFile();
+}
+
+void PresetActions::drop(const QMimeData& mime) {
+  if (acceptable(mime)) openPath(mime.urls().front().toLocalFile());
+}
+
+}  // namespace hl::ui

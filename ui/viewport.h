@@ -1,0 +1,75 @@
+#pragma once
+// The picture, read back and stretched to the widget, and the gestures on it. It shows the newest frame there is, and keeps the last good one.
+#include <QElapsedTimer>
+#include <QImage>
+#include <QTimer>
+#include <QWidget>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "engine/session/session.h"
+#include "ui/camera_controller.h"
+
+namespace hl::ui {
+
+class Viewport : public QWidget {
+  Q_OBJECT
+ public:
+  explicit Viewport(QWidget* parent = nullptr);
+
+  void showFrame(std::shared_ptr<const FrameResult>);
+  /// The camera as it stands, when someone else set it.
+  void setCamera(const Camera&, float sceneDiagonal);
+  /// Text in the middle, shown while there is no frame ("Loading sponza: 40 %").
+  void setWaiting(const QString&);
+  /// What went wrong, over the picture, until it is cleared with "".
+  void setNotice(const QString&);
+  void setPaused(bool);
+  /// Where the picture lies in the widget.
+  QRectF pictureRect() const;
+  /// The frame's pixel under a point of the widget, if any.
+  std::optional<QPoint> pixelAt(QPointF) const;
+  QSize sizeHint() const override { return {960, 540}; }
+  QSize minimumSizeHint() const override { return {160, 90}; }
+
+ signals:
+  void cameraMoved(const hl::Camera& camera);
+  void pixelPicked(int x, int y);
+  void focusWanted(int x, int y);
+  void referenceHeld(bool held);
+  void bookmarkWanted(int number);
+  void bookmarkStored(int number);
+
+ public slots:
+  /// What the session found under the pixel that focusWanted() named.
+  void focusOn(const hl::vec3& point);
+
+ protected:
+  void paintEvent(QPaintEvent*) override;
+  void mousePressEvent(QMouseEvent*) override;
+  void mouseMoveEvent(QMouseEvent*) override;
+  void mouseReleaseEvent(QMouseEvent*) override;
+  void mouseDoubleClickEvent(QMouseEvent*) override;
+  void wheelEvent(QWheelEvent*) override;
+  void keyPressEvent(QKeyEvent*) override;
+  void keyReleaseEvent(QKeyEvent*) override;
+  void focusOutEvent(QFocusEvent*) override;
+
+ private:
+  void moved();
+  void flyOn();
+  void drawLabels(QPainter&);
+
+  std::shared_ptr<const FrameResult> frame_;
+  QImage image_;   // over the frame's own pixels, not a copy
+  QString waiting_, notice_;
+  CameraController controller_;
+  bool cameraKnown_ = false, paused_ = false, spaceHeld_ = false, dragged_ = false;
+  QPointF lastPosition_, pressPosition_;
+  std::set<int> keys_;
+  QTimer flyTimer_;
+  QElapsedTimer flyClock_;
+};
+
+}  // namespace hl::ui

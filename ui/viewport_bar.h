@@ -1,0 +1,35 @@
+#pragma once
+// The line above the picture: view, exposure, tone map, invalid pixels, reference, resolution, frame time.
+#include <QWidget>
+
+#include "ui/document.h"
+
+class QCheckBox;
+class QComboBox;
+class QDoubleSpinBox;
+class QLabel;
+class QToolButton;
+
+namespace hl::ui {
+
+class ViewportBar : public QWidget {
+  Q_OBJECT
+ public:
+  explicit ViewportBar(Document&, QWidget* parent = nullptr);
+  void showFrame(const FrameResult&);
+
+ private:
+  void readDocument();
+  void readViews();
+  void changed(const QString& what, quint64 drag = 0);
+
+  Document& document_;
+  QComboBox* view_;
+  QDoubleSpinBox* exposure_;
+  QComboBox* toneMap_;
+  QCheckBox* invalid_;
+  QComboBox* resolution_;
+  QLabel* figures_;
+};
+
+}  // namespace hl::ui
