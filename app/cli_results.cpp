@@ -61,9 +61,11 @@ const ErrorValue* plotted(const std::vector<ErrorValue>& errors) {
 
 std::string bytesText(uint64_t bytes) { return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20)); }
 
+/// A pass that has nothing to do any more still shows what it took while it had.
 std::string passLine(const PassStatistics& p) {
-  if (!p.skipped.empty()) return fmt::format("  {:<40} skipped: {}\n", p.name, p.skipped);
-  return fmt::format("  {:<40} {:<4} {:9.3f} {:9.3f} {:9.3f}\n", p.name, p.where, p.medianMs, p.p5Ms, p.p95Ms);
+  if (!p.skipped.empty() && !(p.medianMs > 0)) return fmt::format("  {:<40} skipped: {}\n", p.name, p.skipped);
+  return fmt::format("  {:<40} {:<4} {:9.3f} {:9.3f} {:9.3f}{}\n", p.name, p.where, p.medianMs, p.p5Ms, p.p95Ms,
+                     p.skipped.empty() ? "" : fmt::format("  (now skipped: {})", p.skipped));
 }
 
 }  // namespace
