@@ -1,6 +1,7 @@
 #include "engine/reference/reference.h"
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace hl {
 namespace {
 
 // Changes whenever the same settings would give other numbers: caches of before are then not found.
-constexpr uint32_t kReferenceVersion = 1;
+constexpr uint32_t kReferenceVersion = 2;
 // Paths in a pass where there are few receivers (else one a half and receiver), and in a unit of `advance`.
 constexpr uint32_t kPassPaths = 8192;
 constexpr uint32_t kUnitPaths = 2048;
@@ -38,15 +39,6 @@ std::string keyOf(const Scene& scene, const std::vector<Receiver>& receivers, in
   h.value(s.directSamples);
   return h.hex();
 }
-
-struct Vec3Sum {
-  double x = 0, y = 0, z = 0;
-  void add(vec3 v) { x += static_cast<double>(v.x), y += static_cast<double>(v.y), z += static_cast<double>(v.z); }
-  vec3 onto(vec3 v) const {
-    return vec3(static_cast<float>(static_cast<double>(v.x) + x), static_cast<float>(static_cast<double>(v.y) + y),
-                static_cast<float>(static_cast<double>(v.z) + z));
-  }
-};
 
 void setPixel(Image& image, size_t pixel, vec3 value) {
   float* p = image.data.data() + 3 * pixel;
@@ -103,7 +95,8 @@ struct ReferenceTracer::Impl {
     goal.paths = static_cast<uint32_t>(std::max(2, s.samplesPerPixel) + 1) / 2;
     if (tracer.hasExtendedLight()) goal.direct = static_cast<uint32_t>(std::max(2, s.directSamples) + 1) / 2;
     const auto count = static_cast<uint32_t>(receivers.size());
-    samplesAPass = std::max(1u, kPassPaths / (2 * count));
+    // A power of two, so that the usual sample counts are whole passes, and one serves another from the cache.
+    samplesAPass = std::bit_floor(std::max(1u, kPassPaths / (2 * count)));
     unitReceivers = std::max(1u, kUnitPaths / (2 * samplesAPass));
     key = keyOf(embree->scene(), receivers, w, h, s);
     state = ReferenceState(count, static_cast<uint32_t>(std::clamp(s.maxBounces, 0, kBounceBuckets)));
@@ -131,8 +124,8 @@ struct ReferenceTracer::Impl {
     PathCounters counters;
     if (tracer.receives(receivers[i])) {
       const ShadingPoint point = tracer.shadingPoint(receivers[i]);
-      std::array<std::array<Vec3Sum, kBounceBuckets>, 2> paths{};
-      std::array<Vec3Sum, 2> extended{};
+      std::array<std::array<glm::dvec3, kBounceBuckets>, 2> paths{};
+      std::array<glm::dvec3, 2> extended{state.extended[0][i], state.extended[1][i]};
       const vec3 punctual = state.now.paths == 0 ? tracer.punctual(point, counters) : state.punctual[i];
       for (uint32_t half = 0; half < 2; ++half) {
         PathSampler sampler(seed, kStreams * half, i);
@@ -142,20 +135,20 @@ struct ReferenceTracer::Impl {
           sample.fill(vec3(0.0f));
           sampler.begin(s);
           tracer.indirect(point, sampler, sample, counters);
-          for (uint32_t b = 0; b < state.buckets; ++b) paths[half][b].add(sample[b]);
+          for (uint32_t b = 0; b < state.buckets; ++b) paths[half][b] += glm::dvec3(sample[b]);
         }
         PathSampler directSampler(seed, kStreams * half + 1, i);
         for (uint32_t s = state.now.direct; s < state.next.direct; ++s) {
           if (s % kCancelInterval == 0) progress.check();
           directSampler.begin(s);
-          extended[half].add(tracer.extended(point, directSampler, counters));
+          extended[half] += glm::dvec3(tracer.extended(point, directSampler, counters));
         }
       }
       state.punctual[i] = punctual;
       for (uint32_t half = 0; half < 2; ++half) {
         vec3* sums = state.indirect[half].data() + static_cast<size_t>(i) * state.buckets;
-        for (uint32_t b = 0; b < state.buckets; ++b) sums[b] = paths[half][b].onto(sums[b]);
-        state.extended[half][i] = extended[half].onto(state.extended[half][i]);
+        for (uint32_t b = 0; b < state.buckets; ++b) sums[b] = vec3(glm::dvec3(sums[b]) + paths[half][b]);
+        state.extended[half][i] = extended[half];
       }
     }
     state.ahead[i] = 1;
@@ -211,9 +204,9 @@ struct ReferenceTracer::Impl {
       for (size_t half = 0; half < 2; ++half)
         for (size_t i = first; i < last; ++i) {
           const ReferenceCount n = state.ahead[i] ? state.next : state.now;
-          const float direct = n.direct ? 1 / static_cast<float>(n.direct) : 0.0f;
+          const double direct = n.direct ? 1 / static_cast<double>(n.direct) : 0.0;
           const float paths = n.paths ? 1 / static_cast<float>(n.paths) : 0.0f;
-          setPixel(r->direct[half], i, state.punctual[i] + state.extended[half][i] * direct);
+          setPixel(r->direct[half], i, state.punctual[i] + vec3(state.extended[half][i] * direct));
           for (uint32_t b = 0; b < state.buckets; ++b)
             setPixel(r->indirect[half][b], i, state.indirect[half][i * state.buckets + b] * paths);
         }
@@ -231,7 +224,7 @@ ReferenceTracer::~ReferenceTracer() = default;
 
 void ReferenceTracer::resume() {
   Impl& im = *impl_;
-  std::optional<ReferenceState> s = loadReference(im.key, im.state.receivers, im.state.buckets, im.goal.paths);
+  std::optional<ReferenceState> s = loadReference(im.key, im.state.receivers, im.state.buckets, im.goal.paths, im.samplesAPass);
   if (!s || s->now.direct > im.goal.direct) return;
   im.state = std::move(*s);
   im.band = 0;

@@ -15,7 +15,7 @@
 namespace hl {
 namespace {
 
-constexpr std::string_view kMagic = "halflight reference 1\n";
+constexpr std::string_view kMagic = "halflight reference 2\n";
 constexpr size_t kHashDigits = 32;
 constexpr const char* kExtension = ".reference";
 
@@ -31,7 +31,7 @@ void append(std::string& bytes, const T* data, size_t count) {
 }
 
 size_t payloadBytes(uint64_t receivers, uint64_t buckets) {
-  return sizeof(Header) + receivers * ((2 * buckets + 3) * sizeof(vec3) + 1);
+  return sizeof(Header) + receivers * ((2 * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3) + 1);
 }
 
 /// @throws Error(BadInput) with what is wrong with the file.
@@ -49,13 +49,13 @@ ReferenceState parse(std::string_view bytes, uint32_t receivers, uint32_t bucket
   s.now = h.now, s.next = h.next;
   s.backFaceHits = h.backFaceHits, s.nonFinite = h.nonFinite, s.paths = h.paths, s.rays = h.rays;
   const char* at = payload.data() + sizeof h;
-  const auto take = [&at](std::vector<vec3>& v) {
-    std::memcpy(v.data(), at, v.size() * sizeof(vec3));
-    at += v.size() * sizeof(vec3);
+  const auto take = [&at](auto& v) {
+    std::memcpy(v.data(), at, v.size() * sizeof v[0]);
+    at += v.size() * sizeof v[0];
   };
   for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.extended[half]);
   take(s.punctual);
-  std::memcpy(s.ahead.data(), at, s.ahead.size());
+  take(s.ahead);
   return s;
 }
 
@@ -90,7 +90,7 @@ ReferenceState::ReferenceState(uint32_t receiverCount, uint32_t bucketCount)
     : receivers(receiverCount), buckets(bucketCount) {
   for (int half = 0; half < 2; ++half) {
     indirect[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
-    extended[half].assign(receivers, vec3(0.0f));
+    extended[half].assign(receivers, glm::dvec3(0.0));
   }
   punctual.assign(receivers, vec3(0.0f));
   ahead.assign(receivers, 0);
@@ -101,7 +101,7 @@ std::filesystem::path referenceCacheFile(const std::string& key, uint32_t sample
 }
 
 std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
-                                            uint32_t maxSamples) {
+                                            uint32_t maxSamples, uint32_t pass) {
   namespace fs = std::filesystem;
   std::map<uint32_t, fs::path, std::greater<>> found;  // by samples, most first
   std::error_code ec;
@@ -111,13 +111,13 @@ std::optional<ReferenceState> loadReference(const std::string& key, uint32_t rec
     const std::string digits = stem.substr(key.size() + 1);
     uint32_t samples = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), samples);
-    if (error == std::errc() && end == digits.data() + digits.size() && samples <= maxSamples)
-      found[samples] = e.path();
+    if (error != std::errc() || end != digits.data() + digits.size()) continue;
+    if (samples == maxSamples || (samples < maxSamples && samples % pass == 0)) found[samples] = e.path();
   }
   for (const auto& [samples, file] : found) {
     try {
       ReferenceState s = parse(readFile(file), receivers, buckets);
-      if (s.next.paths > maxSamples) throw badInput("it holds more samples than its name says");
+      if (s.next.paths != samples) throw badInput("it does not hold the samples that its name says");
       fs::last_write_time(file, fs::file_time_type::clock::now(), ec);  // what was used last goes last
       return s;
     } catch (const Error& e) {

@@ -32,7 +32,7 @@ class ReferenceRun : public ::testing::Test {
     addRoom(scene, vec3(-1.0f), vec3(1.0f), addMaterial(scene, vec3(0.6f, 0.5f, 0.4f)));
     addQuad(scene, vec3(-0.3f, 0.9f, -0.3f), vec3(0.6f, 0, 0), vec3(0, 0, 0.6f), addMaterial(scene, vec3(0.5f), vec3(3), true));
     embree = std::make_shared<EmbreeScene>(scene);
-    settings.samplesPerPixel = 64, settings.directSamples = 16;
+    settings.samplesPerPixel = 64, settings.directSamples = 96;
   }
   void TearDown() override { std::filesystem::remove_all(folder); }
 
@@ -54,8 +54,9 @@ class ReferenceRun : public ::testing::Test {
     EXPECT_EQ(a.rays, b.rays);
     EXPECT_EQ(a.backFaceHits, b.backFaceHits);
     for (int half = 0; half < 2; ++half) {
-      EXPECT_EQ(a.direct[half].data, b.direct[half].data);
-      for (size_t k = 0; k < kBounceBuckets; ++k) EXPECT_EQ(a.indirect[half][k].data, b.indirect[half][k].data) << "bucket " << k;
+      EXPECT_TRUE(a.direct[half].data == b.direct[half].data);
+      for (size_t k = 0; k < kBounceBuckets; ++k)
+        EXPECT_TRUE(a.indirect[half][k].data == b.indirect[half][k].data) << "bucket " << k;
     }
   }
   std::filesystem::path onlyFile() const {
@@ -73,11 +74,11 @@ class ReferenceRun : public ::testing::Test {
 
 TEST_F(ReferenceRun, ResultDoesNotDependOnThreadsOrSlices) {
   TaskPool one(1), three(3);
-  const auto a = traceAll(*tracer(48, settings, one));
-  const auto b = traceAll(*tracer(48, settings, three));
+  const auto a = traceAll(*tracer(32, settings, one));
+  const auto b = traceAll(*tracer(32, settings, three));
   expectSame(*a, *b);
   // Cancelled again and again from another thread, in the middle of units.
-  const auto slow = tracer(48, settings, three);
+  const auto slow = tracer(32, settings, three);
   int cancelled = 0;
   while (!slow->settled()) {
     Progress progress;
@@ -138,6 +139,7 @@ TEST_F(ReferenceRun, ResumesFromTheCacheAsIfInOneGo) {
 }
 
 TEST_F(ReferenceRun, StoredInTheMiddleOfAPass) {
+  settings.samplesPerPixel = 4, settings.directSamples = 4;  // 6400 receivers: 7 units a pass
   const auto whole = traceAll(*tracer(80, settings));
   const auto first = tracer(80, settings);
   Progress progress;
@@ -201,9 +203,9 @@ TEST_F(ReferenceRun, DamagedCacheIsPassedOverWithAWarning) {
 // The halves' errors about the truth (a long run's mean) are uncorrelated, and neighbours' too.
 TEST_F(ReferenceRun, HalvesAreIndependent) {
   ReferenceSettings converged = settings;
-  converged.samplesPerPixel = 2048, converged.seed = 99, converged.directSamples = 2048;
+  converged.samplesPerPixel = 512, converged.seed = 99, converged.directSamples = 512;
   settings.samplesPerPixel = 16, settings.directSamples = 16;
-  constexpr int kSide = 48;
+  constexpr int kSide = 32;
   const auto truth = traceAll(*tracer(kSide, converged));
   const auto r = traceAll(*tracer(kSide, settings));
   const auto check = [&](const ReferenceImage& v, const ReferenceImage& t, const char* what) {
