@@ -69,22 +69,33 @@ GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& co
   const CameraBasis basis = cameraBasis(camera, aspect);
   const CameraConstants constants{cameraMatrix(camera, aspect), basis.origin, basis.forward, basis.right, basis.down,
                                   vec2(static_cast<float>(width), static_cast<float>(height))};
-  graph.raster("gbuffer", "passes/gbuffer.vert", "passes/gbuffer.frag",
-               {{g.position, g.normal, g.geometricNormal, g.albedo, g.emission, g.ids}, image("gbuffer.depth", Format::D32F)})
+  graph.raster("gbuffer: visibility", "passes/visibility.vert", "passes/visibility.frag",
+               {{g.ids}, image("gbuffer.depth", Format::D32F)})
+      .bind("positions", scene.positions, Access::Read)
+      .bind("uvs", scene.uvs, Access::Read)
+      .bind("indices", scene.indices, Access::Read)
+      .bind("materials", scene.materials, Access::Read)
+      .bind("materialIds", scene.materialIds, Access::Read)
+      .sample("textures", scene.textures)
+      .specialize("kAlphaTested", scene.features.alphaTested ? 1 : 0)
+      .push(constants)
+      .draw(3 * scene.triangleCount);
+  graph.raster("gbuffer: surfaces", "passes/surfaces.vert", "passes/surfaces.frag",
+               {{g.position, g.normal, g.geometricNormal, g.albedo, g.emission}, GpuImage()})
       .bind("positions", scene.positions, Access::Read)
       .bind("normals", scene.normals, Access::Read)
       .bind("uvs", scene.uvs, Access::Read)
       .bind("indices", scene.indices, Access::Read)
       .bind("materials", scene.materials, Access::Read)
-      .bind("materialIds", scene.materialIds, Access::Read)
       // Without a lightmap another buffer of pairs stands in, and is never read.
       .bind("cornerUvs", cornerUvs ? cornerUvs : scene.uvs, Access::Read)
       .sample("textures", scene.textures)
-      .specialize("kAlphaTested", scene.features.alphaTested ? 1 : 0)
+      .sample("ids", g.ids)
+      .specialize("kTextured", scene.features.albedoTextures ? 1 : 0)
       .specialize("kNormalMaps", scene.features.normalMaps ? 1 : 0)
       .specialize("kLightmap", cornerUvs ? 1 : 0)
       .push(constants)
-      .draw(3 * scene.triangleCount);
+      .draw(3);
   return g;
 }
 

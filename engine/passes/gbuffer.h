@@ -17,7 +17,7 @@ struct GBuffer {
   int width = 0, height = 0;
 };
 
-/// Pass "gbuffer". `cornerUvs`: lightmap UVs, vec2 a triangle's corner, or empty where there is no lightmap.
+/// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there). `cornerUvs`: lightmap UVs, vec2 a triangle's corner, or empty where there is no lightmap.
 GBuffer recordGBuffer(FrameGraph&, const GpuScene&, const Buffer& cornerUvs, const Camera&, int width, int height);
 
 /// A camera as rays: those through the image reach from the origin along forward + x right + y down, with x and y in [-1, 1].
