@@ -108,7 +108,7 @@ Traversal start(Ray ray) {
   return t;
 }
 
-/// Puts the children that the ray enters on the stack, for the closest hit the nearest on top. Every slot is written and then counted or not:
+/// Puts the children that the ray enters on the stack: for the closest hit the nearest on top, for any hit the first, which is the largest. Every slot is written and then counted or not:
 /// a masked store costs more than a plain one.
 void enterNode(inout Traversal t) {
   int base = int(t.next & kNodeMask) * kNodeTexels;
