@@ -173,7 +173,8 @@ class Check {
       if (!decodeDataUri(uri, content)) throw badInput(c.at("uri"), "its data is not base64");
     } else {
       const std::filesystem::path path = file_.parent_path() / uri;
-      if (!std::filesystem::is_regular_file(path)) throw badInput(c.where(), fmt::format("its file '{}' is missing", uri));
+      if (!std::filesystem::is_regular_file(path))
+        throw badInput(c.where(), fmt::format("its file '{}' is missing", uri));
       content = readFile(path);
     }
     if (content.size() < length || length == 0)
@@ -190,7 +191,8 @@ class Check {
     v.length = c.number("byteLength", 0, kMostBytes);
     v.stride = c.number("byteStride", 0, 252);
     if (v.offset + v.length > buffers_[v.buffer].size())
-      throw badInput(c.where(), fmt::format("it ends at byte {}, its buffer has {}", v.offset + v.length, buffers_[v.buffer].size()));
+      throw badInput(c.where(), fmt::format("it ends at byte {}, its buffer has {}", v.offset + v.length,
+                                            buffers_[v.buffer].size()));
     views_.push_back(v);
   }
 
@@ -201,8 +203,17 @@ class Check {
     a.componentType = static_cast<int>(c.number("componentType", 0, 1 << 16));
     a.type = JsonObject::asText(c.need("type"), c.at("type"));
     c.text("type");
-    const uint64_t component = a.componentType == kFloat || a.componentType == kInt ? 4 : a.componentType == kShort || a.componentType == 5122 ? 2 : a.componentType == kByte || a.componentType == 5120 ? 1 : 0;
-    const uint64_t components = a.type == "SCALAR" ? 1 : a.type == "VEC2" ? 2 : a.type == "VEC3" ? 3 : a.type == "VEC4" || a.type == "MAT2" ? 4 : a.type == "MAT3" ? 9 : a.type == "MAT4" ? 16 : 0;
+    const uint64_t component = a.componentType == kFloat || a.componentType == kInt   ? 4
+                               : a.componentType == kShort || a.componentType == 5122 ? 2
+                               : a.componentType == kByte || a.componentType == 5120  ? 1
+                                                                                      : 0;
+    const uint64_t components = a.type == "SCALAR"                     ? 1
+                                : a.type == "VEC2"                     ? 2
+                                : a.type == "VEC3"                     ? 3
+                                : a.type == "VEC4" || a.type == "MAT2" ? 4
+                                : a.type == "MAT3"                     ? 9
+                                : a.type == "MAT4"                     ? 16
+                                                                       : 0;
     if (component == 0) throw badInput(c.at("componentType"), fmt::format("{} is no type of glTF", a.componentType));
     if (components == 0) throw badInput(c.at("type"), "it is no type of glTF");
     if (a.count == 0) throw badInput(c.at("count"), "it is 0");
@@ -226,7 +237,8 @@ class Check {
     if (c.has("bufferView")) c.need("mimeType");
     std::string decoded;
     if (c.has("uri"))
-      if (const std::string uri = c.need("uri").get<std::string>(); uri.rfind("data:", 0) == 0 && (!decodeDataUri(uri, decoded) || decoded.empty()))
+      if (const std::string uri = c.need("uri").get<std::string>();
+          uri.rfind("data:", 0) == 0 && (!decodeDataUri(uri, decoded) || decoded.empty()))
         throw badInput(c.at("uri"), "its data is not base64");
   }
 
@@ -234,8 +246,10 @@ class Check {
     if (!owner.has(key)) return;
     Copy c(owner.need(key), owner.at(key));
     c.needIndex("index", size("textures"));
-    if (c.number("texCoord", 0, 7) != 0) throw badInput(c.at("texCoord"), "images are read with the first set of coordinates, 0");
-    if (const Json* e = extension(c, "KHR_texture_transform"); e) throw badInput(c.where(), "KHR_texture_transform is not read");
+    if (c.number("texCoord", 0, 7) != 0)
+      throw badInput(c.at("texCoord"), "images are read with the first set of coordinates, 0");
+    if (const Json* e = extension(c, "KHR_texture_transform"); e)
+      throw badInput(c.where(), "KHR_texture_transform is not read");
     owner.set(key, c.result());
   }
 
@@ -299,7 +313,8 @@ class Check {
       indicesInRange(a, vertices, c.at("indices"));
       corners = a.count;
     }
-    if (mode == 4 && corners % 3 != 0) throw badInput(c.where(), fmt::format("its {} corners make no whole triangles", corners));
+    if (mode == 4 && corners % 3 != 0)
+      throw badInput(c.where(), fmt::format("its {} corners make no whole triangles", corners));
     triangles_ = triangles_ || (mode >= 4 && corners >= 3);
   }
 
@@ -308,8 +323,10 @@ class Check {
     if (!attributes.has(key)) return 0;
     const Accessor& a = accessors_[attributes.needIndex(key, accessors_.size())];
     const std::string where = attributes.at(key);
-    if (a.type != type || a.componentType != kFloat) throw badInput(where, fmt::format("it is read as {} of floats", type));
-    if (wanted != 0 && a.count != wanted) throw badInput(where, fmt::format("it has {} elements, POSITION has {}", a.count, wanted));
+    if (a.type != type || a.componentType != kFloat)
+      throw badInput(where, fmt::format("it is read as {} of floats", type));
+    if (wanted != 0 && a.count != wanted)
+      throw badInput(where, fmt::format("it has {} elements, POSITION has {}", a.count, wanted));
     elements(a, [&](uint64_t i, const char* p) {
       for (uint64_t k = 0; k < a.size; k += 4) {
         float x = 0;
@@ -323,7 +340,8 @@ class Check {
     elements(a, [&](uint64_t i, const char* p) {
       uint32_t v = 0;
       std::memcpy(&v, p, a.size);  // little-endian, as the format is
-      if (v >= vertices) throw badInput(where, fmt::format("index {} is {}, but there are {} vertices", i, v, vertices));
+      if (v >= vertices)
+        throw badInput(where, fmt::format("index {} is {}, but there are {} vertices", i, v, vertices));
     });
   }
   template <class F>

@@ -1,6 +1,6 @@
 #pragma once
-// A look through a glTF or glb file before Assimp gets it: every offset, count and index must lie inside what it refers to, and every value
-// must have its type. Assimp believes the file in most of these.
+// A look through a glTF or glb file before Assimp gets it: every offset, count and index must lie inside what it refers
+// to, and every value must have its type. Assimp believes the file in most of these.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,9 +9,10 @@
 
 namespace hl {
 
-/// The same file with only the keys that were checked: geometry, nodes, and the parts of materials that are used. What would change the look or
-/// the shape and is not read (skins, morph targets, sparse accessors, texture transforms) is refused; KHR_materials_emissive_strength is
-/// multiplied into the emission. @throws Error(BadInput): "<file>: <place>: <what>".
+/// The same file with only the keys that were checked: geometry, nodes, and the parts of materials that are used. What
+/// would change the look or the shape and is not read (skins, morph targets, sparse accessors, texture transforms) is
+/// refused; KHR_materials_emissive_strength is multiplied into the emission. @throws Error(BadInput): "<file>: <place>:
+/// <what>".
 std::string checkGltf(std::string_view bytes, const std::filesystem::path& file, Progress* = nullptr);
 
 }  // namespace hl

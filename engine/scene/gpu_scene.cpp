@@ -16,8 +16,8 @@ template <class T>
 Buffer upload(Device& device, const char* name, const std::vector<T>& data) {
   const uint64_t bytes = data.size() * sizeof(T);
   if (bytes > device.maxStorageBufferBytes())
-    throw Error(ErrorKind::Device, fmt::format("the scene's {} take {} MiB, this device's buffers hold {}", name, bytes >> 20,
-                                               device.maxStorageBufferBytes() >> 20));
+    throw Error(ErrorKind::Device, fmt::format("the scene's {} take {} MiB, this device's buffers hold {}", name,
+                                               bytes >> 20, device.maxStorageBufferBytes() >> 20));
   return device.buffer(name, std::span<const T>(data));
 }
 
@@ -44,9 +44,11 @@ std::vector<shared::GpuMaterial> materials(const Scene& scene, const GpuScene& g
 
 std::vector<shared::GpuLight> lights(const Scene& scene) {
   std::vector<shared::GpuLight> out;
-  for (const PointLight& l : scene.pointLights) out.push_back({l.position, shared::kLightPoint, vec3(0, -1, 0), 1, l.intensity, -1});
+  for (const PointLight& l : scene.pointLights)
+    out.push_back({l.position, shared::kLightPoint, vec3(0, -1, 0), 1, l.intensity, -1});
   for (const SpotLight& l : scene.spotLights)
-    out.push_back({l.position, shared::kLightSpot, l.direction, std::cos(l.innerAngle), l.intensity, std::cos(l.outerAngle)});
+    out.push_back(
+        {l.position, shared::kLightSpot, l.direction, std::cos(l.innerAngle), l.intensity, std::cos(l.outerAngle)});
   for (const DirectionalLight& l : scene.directionalLights)
     out.push_back({vec3(0.0f), shared::kLightDirectional, l.direction, 1, l.irradiance, -1});
   return out;
@@ -93,7 +95,8 @@ GpuImage textures(Device& device, const Scene& scene, uint64_t& bytes) {
       // The texture fills the layer's upper left corner; shaders repeat and filter within it.
       const Texture& t = scene.textures[static_cast<size_t>(i)];
       for (size_t y = 0; y < static_cast<size_t>(t.height); ++y)
-        std::copy_n(t.rgba.data() + y * static_cast<size_t>(t.width) * 4, static_cast<size_t>(t.width) * 4, layer.data() + y * row);
+        std::copy_n(t.rgba.data() + y * static_cast<size_t>(t.width) * 4, static_cast<size_t>(t.width) * 4,
+                    layer.data() + y * row);
     }
     device.upload(image, i, layer.data(), layer.size());
   }
@@ -132,7 +135,8 @@ void updateLights(Device& device, GpuScene& g, const Scene& scene) {
 
 std::vector<std::pair<std::string, uint64_t>> GpuScene::memory() const {
   std::vector<std::pair<std::string, uint64_t>> out;
-  for (const Buffer* b : {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &materials, &lights, &emitters})
+  for (const Buffer* b :
+       {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &materials, &lights, &emitters})
     if (*b) out.emplace_back(b->name(), b->size());
   if (textures) out.emplace_back(textures.name(), textureBytes);
   return out;

@@ -1,4 +1,5 @@
-// The import cache: one file a mesh, holding what the import made, the hashes of every file it read, and a checksum over all of it.
+// The import cache: one file a mesh, holding what the import made, the hashes of every file it read, and a checksum
+// over all of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -91,7 +92,8 @@ void write(Writer& w, const Scene& s, const std::vector<ImportInput>& inputs, co
     w.value<uint8_t>(m.twoSided);
   }
   w.value<uint64_t>(s.textures.size());
-  for (const Texture& t : s.textures) w.text(t.name), w.value(t.width), w.value(t.height), w.value<uint8_t>(t.srgb), w.array(t.rgba);
+  for (const Texture& t : s.textures)
+    w.text(t.name), w.value(t.width), w.value(t.height), w.value<uint8_t>(t.srgb), w.array(t.rgba);
   w.value(s.report.degenerateTriangles), w.value(s.report.missingTextures);
   w.value<uint64_t>(s.report.warnings.size());
   for (const std::string& line : s.report.warnings) w.text(line);
@@ -123,7 +125,8 @@ Scene read(Reader& r) {
   }
   s.textures.resize(r.count(8));
   for (Texture& t : s.textures)
-    t.name = r.text(), t.width = r.value<int>(), t.height = r.value<int>(), t.srgb = r.value<uint8_t>() != 0, r.array(t.rgba);
+    t.name = r.text(), t.width = r.value<int>(), t.height = r.value<int>(), t.srgb = r.value<uint8_t>() != 0,
+    r.array(t.rgba);
   s.report.degenerateTriangles = r.value<uint64_t>(), s.report.missingTextures = r.value<uint64_t>();
   s.report.warnings.resize(r.count(8));
   for (std::string& line : s.report.warnings) line = r.text();

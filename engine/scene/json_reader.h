@@ -1,5 +1,6 @@
 #pragma once
-// Strict reading of a JSON object: every key is known, every value has its type and range, and a message says where it is.
+// Strict reading of a JSON object: every key is known, every value has its type and range, and a message says where it
+// is.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -20,7 +20,8 @@
 namespace hl {
 namespace {
 
-// A triangle whose doubled area is below this share of its longest edge squared has no direction that a float could tell.
+// A triangle whose doubled area is below this share of its longest edge squared has no direction that a float could
+// tell.
 constexpr float kDegenerateShare = 1e-7f;
 
 /// Serves the mesh from memory, and further buffers from disk. Material libraries stay closed: we read those ourselves.
@@ -29,7 +30,9 @@ class ImportFiles : public Assimp::IOSystem {
   ImportFiles(std::string name, std::string_view bytes, bool others, std::vector<ImportInput>& inputs)
       : name_(std::move(name)), bytes_(bytes), others_(others), inputs_(inputs) {}
 
-  bool Exists(const char* file) const override { return file == name_ || (others_ && std::filesystem::is_regular_file(file)); }
+  bool Exists(const char* file) const override {
+    return file == name_ || (others_ && std::filesystem::is_regular_file(file));
+  }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* file, const char*) override {
     if (file == name_) return stream(bytes_);
@@ -66,7 +69,12 @@ vec3 toVec3(const aiVector3D& v) { return vec3(v.x, v.y, v.z); }
 class Converter {
  public:
   Converter(const aiScene& from, std::string file, double scale, Progress* progress, Scene& to)
-      : from_(from), file_(std::move(file)), scale_(scale), progress_(progress), to_(to), table_(to, hasLightmapUvs(from)) {}
+      : from_(from),
+        file_(std::move(file)),
+        scale_(scale),
+        progress_(progress),
+        to_(to),
+        table_(to, hasLightmapUvs(from)) {}
 
   void run() {
     uint64_t faces = 0;
@@ -74,16 +82,19 @@ class Converter {
     if (progress_) progress_->begin("import: convert", faces);
     node(*from_.mRootNode, aiMatrix4x4());
     if (badNormals_ > 0)
-      to_.report.warnings.push_back(fmt::format("{}: {} normals had no length and were replaced by their triangles'", file_, badNormals_));
+      to_.report.warnings.push_back(
+          fmt::format("{}: {} normals had no length and were replaced by their triangles'", file_, badNormals_));
     if (to_.indices.empty())
-      throw badInput(fmt::format("{}: no triangles{}", file_,
-                                 to_.report.degenerateTriangles ? fmt::format(" but {} without area", to_.report.degenerateTriangles) : ""));
+      throw badInput(fmt::format(
+          "{}: no triangles{}", file_,
+          to_.report.degenerateTriangles ? fmt::format(" but {} without area", to_.report.degenerateTriangles) : ""));
   }
 
  private:
   static bool hasLightmapUvs(const aiScene& s) {
     bool all = s.mNumMeshes > 0;
-    for (unsigned i = 0; i < s.mNumMeshes; ++i) all = all && (!hasTriangles(*s.mMeshes[i]) || s.mMeshes[i]->HasTextureCoords(1));
+    for (unsigned i = 0; i < s.mNumMeshes; ++i)
+      all = all && (!hasTriangles(*s.mMeshes[i]) || s.mMeshes[i]->HasTextureCoords(1));
     return all;
   }
   static bool hasTriangles(const aiMesh& m) { return (m.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) != 0; }
@@ -110,7 +121,8 @@ class Converter {
     std::vector<vec3> positions(m.mNumVertices), normals(m.mNumVertices, vec3(0.0f));
     for (unsigned i = 0; i < m.mNumVertices; ++i) {
       const aiVector3D p = transform * m.mVertices[i];
-      for (int k = 0; k < 3; ++k) positions[i][k] = static_cast<float>(scale_ * static_cast<double>(p[static_cast<unsigned>(k)]));
+      for (int k = 0; k < 3; ++k)
+        positions[i][k] = static_cast<float>(scale_ * static_cast<double>(p[static_cast<unsigned>(k)]));
       if (!finite(positions[i])) throw badInput(fmt::format("{}: {} vertex {} is not finite", file_, named(m), i));
       if (m.HasNormals()) normals[i] = toVec3(forNormals * m.mNormals[i]);
     }
@@ -124,13 +136,14 @@ class Converter {
       if (face.mNumIndices != 3) continue;
       for (unsigned k = 0; k < 3; ++k)
         if (face.mIndices[k] >= m.mNumVertices)
-          throw badInput(fmt::format("{}: {} face {} refers to vertex {} of {}", file_, named(m), f, face.mIndices[k], m.mNumVertices));
+          throw badInput(fmt::format("{}: {} face {} refers to vertex {} of {}", file_, named(m), f, face.mIndices[k],
+                                     m.mNumVertices));
       triangle(m, face.mIndices, positions, normals, mirrored, object);
     }
   }
 
-  void triangle(const aiMesh& m, const unsigned* corners, const std::vector<vec3>& positions, const std::vector<vec3>& normals,
-                bool mirrored, uint32_t object) {
+  void triangle(const aiMesh& m, const unsigned* corners, const std::vector<vec3>& positions,
+                const std::vector<vec3>& normals, bool mirrored, uint32_t object) {
     const unsigned i[3] = {corners[0], corners[mirrored ? 2 : 1], corners[mirrored ? 1 : 2]};
     const vec3 p0 = positions[i[0]], p1 = positions[i[1]], p2 = positions[i[2]];
     const vec3 across = glm::cross(p1 - p0, p2 - p0);
@@ -201,7 +214,8 @@ MaterialSource source(const aiMaterial& m, const std::string& file, ImportReport
     if (std::string_view(mode.C_Str()) == "MASK")
       m.Get(AI_MATKEY_GLTF_ALPHACUTOFF, cutoff);
     else
-      report.warnings.push_back(fmt::format("{}: material '{}': blended alpha is taken as a cut-off at 0.5", file, s.material.name));
+      report.warnings.push_back(
+          fmt::format("{}: material '{}': blended alpha is taken as a cut-off at 0.5", file, s.material.name));
     if (base.a > 0) s.material.alphaCutoff = cutoff / base.a;  // the factor scales the texture's alpha
   }
   return s;
@@ -223,7 +237,8 @@ AssimpMesh readWithAssimp(const std::filesystem::path& file, std::string_view by
   if (progress) progress->begin("import: read", 1);
   const aiScene* from = importer.ReadFile(file.string(), aiProcess_Triangulate);
   if (progress) progress->check();
-  if (!from || !from->mRootNode) throw badInput(fmt::format("{}: {}", file.string(), oneLine(importer.GetErrorString())));
+  if (!from || !from->mRootNode)
+    throw badInput(fmt::format("{}: {}", file.string(), oneLine(importer.GetErrorString())));
   AssimpMesh out;
   Converter(*from, file.string(), scale, progress, out.scene).run();
   for (unsigned i = 0; i < from->mNumMaterials; ++i)
@@ -231,7 +246,8 @@ AssimpMesh readWithAssimp(const std::filesystem::path& file, std::string_view by
   for (unsigned i = 0; i < from->mNumTextures; ++i) {
     const aiTexture& t = *from->mTextures[i];
     if (t.mHeight != 0) throw badInput(fmt::format("{}: embedded image {} is not an encoded one", file.string(), i));
-    out.images.push_back({fmt::format(".{}", t.achFormatHint), std::string(reinterpret_cast<const char*>(t.pcData), t.mWidth)});
+    out.images.push_back(
+        {fmt::format(".{}", t.achFormatHint), std::string(reinterpret_cast<const char*>(t.pcData), t.mWidth)});
   }
   return out;
 }

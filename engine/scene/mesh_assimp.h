@@ -11,7 +11,8 @@
 
 namespace hl {
 
-/// A material before its textures are loaded. Maps are file names relative to the mesh, or "*3" for the third embedded image.
+/// A material before its textures are loaded. Maps are file names relative to the mesh, or "*3" for the third embedded
+/// image.
 struct MaterialSource {
   Material material;
   std::string albedoMap, normalMap, alphaMap, emissiveMap;
@@ -28,7 +29,8 @@ struct AssimpMesh {
   std::vector<EmbeddedImage> images;
 };
 
-/// `bytes` is the content of `file`; buffers that a glTF keeps in other files are read from beside it and added to `inputs`.
+/// `bytes` is the content of `file`; buffers that a glTF keeps in other files are read from beside it and added to
+/// `inputs`.
 AssimpMesh readWithAssimp(const std::filesystem::path& file, std::string_view bytes, double scale, Progress*,
                           std::vector<ImportInput>& inputs);
 

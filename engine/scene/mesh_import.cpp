@@ -25,8 +25,10 @@ std::string lowerExtension(const std::filesystem::path& file) {
   return e;
 }
 
-/// Reads the MTL files of an OBJ; gives each material that Assimp named its values. A material without an entry is warned about.
-void applyMtl(const std::filesystem::path& file, const ObjSummary& obj, AssimpMesh& mesh, std::vector<ImportInput>& inputs) {
+/// Reads the MTL files of an OBJ; gives each material that Assimp named its values. A material without an entry is
+/// warned about.
+void applyMtl(const std::filesystem::path& file, const ObjSummary& obj, AssimpMesh& mesh,
+              std::vector<ImportInput>& inputs) {
   ImportReport& report = mesh.scene.report;
   std::map<std::string, MtlMaterial> known;
   for (const std::string& library : obj.materialLibraries) {
@@ -49,7 +51,8 @@ void applyMtl(const std::filesystem::path& file, const ObjSummary& obj, AssimpMe
     const auto it = known.find(name);
     if (it == known.end()) {
       if (std::find(obj.materials.begin(), obj.materials.end(), name) != obj.materials.end())
-        report.warnings.push_back(fmt::format("{}: material '{}' is in no material library; it is grey", file.string(), name));
+        report.warnings.push_back(
+            fmt::format("{}: material '{}' is in no material library; it is grey", file.string(), name));
       continue;
     }
     const MtlMaterial& m = it->second;
@@ -75,7 +78,8 @@ void dropUnused(AssimpMesh& mesh) {
 
 class TextureLoader {
  public:
-  TextureLoader(const std::filesystem::path& mesh, const std::vector<EmbeddedImage>& images, Scene& scene, std::vector<ImportInput>& inputs)
+  TextureLoader(const std::filesystem::path& mesh, const std::vector<EmbeddedImage>& images, Scene& scene,
+                std::vector<ImportInput>& inputs)
       : mesh_(mesh), images_(images), scene_(scene), inputs_(inputs) {}
 
   void apply(MaterialSource& s) {
@@ -85,7 +89,8 @@ class TextureLoader {
     if (!s.emissiveMap.empty()) {
       // Emission is a constant of the material: the image's mean keeps the power.
       if (const Texture* t = load(s.emissiveMap, true)) m.emission *= mean(*t);
-      scene_.report.warnings.push_back(fmt::format("{}: material '{}': the mean of its emissive image is used", mesh_.string(), m.name));
+      scene_.report.warnings.push_back(
+          fmt::format("{}: material '{}': the mean of its emissive image is used", mesh_.string(), m.name));
     }
     if (m.albedoTexture == kNone) m.alphaCutoff = 0;
   }
@@ -128,14 +133,16 @@ class TextureLoader {
     if (map.front() == '*') {
       const size_t i = static_cast<size_t>(std::strtoul(map.c_str() + 1, nullptr, 10));
       if (i >= images_.size()) throw badInput(fmt::format("{}: there is no embedded image {}", mesh_.string(), map));
-      t = loadTexture(images_[i].bytes, fmt::format("{}: embedded image {}", mesh_.string(), i), images_[i].extension, srgb);
+      t = loadTexture(images_[i].bytes, fmt::format("{}: embedded image {}", mesh_.string(), i), images_[i].extension,
+                      srgb);
       return &t;
     }
     const std::filesystem::path file = mesh_.parent_path() / map;
     if (!std::filesystem::is_regular_file(file)) {
       inputs_.push_back({file, ""});
       ++scene_.report.missingTextures;
-      scene_.report.warnings.push_back(fmt::format("{}: texture '{}' is missing; its material's constant is used", mesh_.string(), map));
+      scene_.report.warnings.push_back(
+          fmt::format("{}: texture '{}' is missing; its material's constant is used", mesh_.string(), map));
       return nullptr;
     }
     inputs_.push_back({file, hashOf(readFile(file))});
@@ -165,8 +172,10 @@ bool isMeshFile(const std::filesystem::path& file) {
   return e == ".obj" || e == ".gltf" || e == ".glb";
 }
 
-Scene importMesh(const std::filesystem::path& file, double scale, Progress* progress, std::vector<ImportInput>* inputs) {
-  if (!isMeshFile(file)) throw badInput(fmt::format("{}: not a kind of mesh that is read; {} are", file.string(), kMeshKinds));
+Scene importMesh(const std::filesystem::path& file, double scale, Progress* progress,
+                 std::vector<ImportInput>* inputs) {
+  if (!isMeshFile(file))
+    throw badInput(fmt::format("{}: not a kind of mesh that is read; {} are", file.string(), kMeshKinds));
   std::vector<ImportInput> read;
   std::string bytes = readFile(file);
   read.push_back({file, hashOf(bytes)});

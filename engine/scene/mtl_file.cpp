@@ -17,8 +17,8 @@ std::string mapFile(std::string_view line) {
     std::string_view ahead = line;
     const std::string_view word = takeWord(ahead);
     if (word.size() < 2 || word.front() != '-' || !(word[1] >= 'a' && word[1] <= 'z')) break;
-    const bool named = word == "-blendu" || word == "-blendv" || word == "-cc" || word == "-clamp" || word == "-imfchan" ||
-                       word == "-type" || word == "-colorspace";
+    const bool named = word == "-blendu" || word == "-blendv" || word == "-cc" || word == "-clamp" ||
+                       word == "-imfchan" || word == "-type" || word == "-colorspace";
     line = ahead;
     if (named) takeWord(line);
     for (float number = 0; !named;) {
@@ -38,11 +38,14 @@ std::vector<MtlMaterial> parseMtl(std::string_view text, const std::filesystem::
   std::vector<MtlMaterial> materials;
   TextLines lines(text);
   std::string_view line;
-  const auto wrong = [&](const std::string& what) { return badInput(fmt::format("{}:{}: {}", file.string(), lines.number(), what)); };
+  const auto wrong = [&](const std::string& what) {
+    return badInput(fmt::format("{}:{}: {}", file.string(), lines.number(), what));
+  };
   const auto colour = [&](std::string_view rest, std::string_view key) {
     vec3 c(0.0f);
     int count = 0;
-    for (std::string_view word = takeWord(rest); count < 3 && !word.empty() && word.front() != '#'; word = takeWord(rest), ++count) {
+    for (std::string_view word = takeWord(rest); count < 3 && !word.empty() && word.front() != '#';
+         word = takeWord(rest), ++count) {
       if (count == 0 && (word == "spectral" || word == "xyz"))
         throw wrong(fmt::format("{} {} is not read; three numbers are", key, word));
       if (!parseNumber(word, c[count]) || !std::isfinite(c[count]) || c[count] < 0)
@@ -66,12 +69,18 @@ std::vector<MtlMaterial> parseMtl(std::string_view text, const std::filesystem::
       into = mapFile(line);
       if (into.empty()) throw wrong(fmt::format("{} needs a file name", key));
     };
-    if (key == "Kd") m.albedo = colour(line, key);
-    else if (key == "Ke") m.emission = colour(line, key);
-    else if (key == "map_Kd") map(m.albedoMap);
-    else if (key == "norm" || key == "map_Kn" || key == "map_kn") map(m.normalMap);
-    else if (key == "map_d") map(m.alphaMap);
-    else if (key == "map_Ke" || key == "bump" || key == "map_bump" || key == "map_Bump") m.ignored.emplace_back(key);
+    if (key == "Kd")
+      m.albedo = colour(line, key);
+    else if (key == "Ke")
+      m.emission = colour(line, key);
+    else if (key == "map_Kd")
+      map(m.albedoMap);
+    else if (key == "norm" || key == "map_Kn" || key == "map_kn")
+      map(m.normalMap);
+    else if (key == "map_d")
+      map(m.alphaMap);
+    else if (key == "map_Ke" || key == "bump" || key == "map_bump" || key == "map_Bump")
+      m.ignored.emplace_back(key);
   }
   return materials;
 }

@@ -13,7 +13,8 @@ struct MtlMaterial {
   std::string name;
   vec3 albedo{0.8f};    ///< Kd
   vec3 emission{0.0f};  ///< Ke
-  std::string albedoMap, normalMap, alphaMap;  ///< map_Kd; norm or map_Kn; map_d. Paths as written, with / for separators
+  std::string albedoMap, normalMap,
+      alphaMap;                      ///< map_Kd; norm or map_Kn; map_d. Paths as written, with / for separators
   std::vector<std::string> ignored;  ///< keys that would change the look but are not read, e.g. map_Ke, bump
 };
 

@@ -45,16 +45,19 @@ class Check {
     const std::array<uint64_t, 3> counts = {found_.vertices, found_.uvs, found_.normals};
     for (size_t k = 0; k < 3; ++k)
       if (highest_[k] > counts[k])
-        throw badInput(fmt::format("{}:{}: the face refers to {} {}, but the file has {}", file_, highestLine_[k], kKinds[k],
-                                   highest_[k], counts[k]));
-    if (found_.faces == 0) throw badInput(fmt::format("{}: no triangles: the file has {} vertices and no face", file_, found_.vertices));
+        throw badInput(fmt::format("{}:{}: the face refers to {} {}, but the file has {}", file_, highestLine_[k],
+                                   kKinds[k], highest_[k], counts[k]));
+    if (found_.faces == 0)
+      throw badInput(fmt::format("{}: no triangles: the file has {} vertices and no face", file_, found_.vertices));
     return std::move(found_);
   }
 
  private:
   static constexpr std::array<const char*, 3> kKinds = {"vertex", "texture coordinate", "normal"};
 
-  Error wrong(const std::string& what) const { return badInput(fmt::format("{}:{}: {}", file_, lines_.number(), what)); }
+  Error wrong(const std::string& what) const {
+    return badInput(fmt::format("{}:{}: {}", file_, lines_.number(), what));
+  }
 
   void coordinates(std::string_view line, int least, const char* what, bool homogeneous) {
     int count = 0;
@@ -70,7 +73,8 @@ class Check {
 
   void face(std::string_view line) {
     int corners = 0;
-    for (std::string_view word = takeWord(line); !word.empty() && word.front() != '#'; word = takeWord(line), ++corners) {
+    for (std::string_view word = takeWord(line); !word.empty() && word.front() != '#';
+         word = takeWord(line), ++corners) {
       std::string_view rest = word;
       for (size_t k = 0; k < 3 && !(k > 0 && rest.empty()); ++k) {
         const size_t slash = std::min(rest.find('/'), rest.size());
@@ -79,22 +83,27 @@ class Check {
         if (part.empty() && k == 1) continue;  // "1//3"
         index(part, k, word);
       }
-      if (!rest.empty() || word.back() == '/') throw wrong(fmt::format("'{}' is not a face's corner; v, v/vt, v//vn or v/vt/vn is", shown(word)));
+      if (!rest.empty() || word.back() == '/')
+        throw wrong(fmt::format("'{}' is not a face's corner; v, v/vt, v//vn or v/vt/vn is", shown(word)));
     }
     if (corners < 3) throw wrong(fmt::format("a face needs 3 corners, the line has {}", corners));
   }
 
   void index(std::string_view part, size_t kind, std::string_view word) {
     int64_t i = 0;
-    if (!parseNumber(part, i)) throw wrong(fmt::format("'{}' is not a face's corner; v, v/vt, v//vn or v/vt/vn is", shown(word)));
+    if (!parseNumber(part, i))
+      throw wrong(fmt::format("'{}' is not a face's corner; v, v/vt, v//vn or v/vt/vn is", shown(word)));
     const uint64_t count = kind == 0 ? found_.vertices : kind == 1 ? found_.uvs : found_.normals;
     if (i == 0 || i > 0x7fffffff || i < -static_cast<int64_t>(count))
-      throw wrong(fmt::format("{} index {} is out of range; the file has {} so far and counts from 1", kKinds[kind], i, count));
-    if (i > 0 && static_cast<uint64_t>(i) > highest_[kind]) highest_[kind] = static_cast<uint64_t>(i), highestLine_[kind] = lines_.number();
+      throw wrong(
+          fmt::format("{} index {} is out of range; the file has {} so far and counts from 1", kKinds[kind], i, count));
+    if (i > 0 && static_cast<uint64_t>(i) > highest_[kind])
+      highest_[kind] = static_cast<uint64_t>(i), highestLine_[kind] = lines_.number();
   }
 
   static void addOnce(std::vector<std::string>& names, std::string_view name) {
-    if (!name.empty() && (names.empty() || names.back() != name) && std::find(names.begin(), names.end(), name) == names.end())
+    if (!name.empty() && (names.empty() || names.back() != name) &&
+        std::find(names.begin(), names.end(), name) == names.end())
       names.emplace_back(name);
   }
 

@@ -87,7 +87,8 @@ void finishScene(Scene& scene) {
   for (const uvec3 t : scene.indices)
     for (const uint32_t v : {t.x, t.y, t.z}) scene.bounds.extend(scene.positions[v]);
   for (Material& m : scene.materials) {
-    const vec3 highest = m.albedo * (m.albedoTexture == kNone ? vec3(1.0f) : brightest(scene.textures[m.albedoTexture]));
+    const vec3 highest =
+        m.albedo * (m.albedoTexture == kNone ? vec3(1.0f) : brightest(scene.textures[m.albedoTexture]));
     if (glm::all(glm::lessThanEqual(highest, vec3(kMaxAlbedo)))) continue;
     ++scene.report.cappedAlbedo;
     // With a texture it is the product that is capped, where it is looked up.

@@ -12,7 +12,8 @@ namespace hl {
 /// 2e-6 of the diagonal or better, which is what ray offsets need.
 inline constexpr float kRecentreDistance = 32;
 
-/// Hash of all that light transport depends on: geometry, materials, textures, lights, sky. Names and cameras are left out.
+/// Hash of all that light transport depends on: geometry, materials, textures, lights, sky. Names and cameras are left
+/// out.
 std::string sceneContentHash(const Scene&);
 
 /// Moves surfaces, lights and cameras of a scene that lies far from the origin; adds the shift to report.recentred.

@@ -28,7 +28,8 @@ class Reader {
       throw badInput(o.at("lightmap_uvs"), "only shapes get a lightmap UV set; a mesh brings its own");
     each(o, "shapes", [&](const Json& v, const std::string& place) { d.shapes.push_back(shape(v, place)); });
     if (const Json* v = o.find("materials")) {
-      if (!v->is_object()) throw badInput(o.at("materials"), "an object is wanted: material names and what they change");
+      if (!v->is_object())
+        throw badInput(o.at("materials"), "an object is wanted: material names and what they change");
       for (const auto& [name, m] : v->items()) d.materials.emplace_back(name, material(m, o.at("materials." + name)));
     }
     each(o, "lights", [&](const Json& v, const std::string& place) { light(d, v, place); });
@@ -102,11 +103,12 @@ class Reader {
   static void quad(JsonObject& o, Shape& s) {
     s.type = ShapeType::Quad;
     const Json& corners = JsonObject::asArray(o.need("corners"), o.at("corners"));
-    if (corners.size() != 4) throw badInput(o.at("corners"), fmt::format("4 points are wanted, not {}", corners.size()));
+    if (corners.size() != 4)
+      throw badInput(o.at("corners"), fmt::format("4 points are wanted, not {}", corners.size()));
     for (size_t i = 0; i < 4; ++i)
       s.corners.push_back(
           JsonObject::asVec3(corners[i], fmt::format("{}[{}]", o.at("corners"), i), -kFarthest, kFarthest));
-    s.subdivisions = o.integer("subdivisions", 1, 1, 1024);
+    s.subdivisions = o.integer("subdivisions", 1, 1, 256);
   }
 
   static void box(JsonObject& o, Shape& s) {
@@ -116,7 +118,7 @@ class Reader {
     for (int i = 0; i < 3; ++i)
       if (!(s.min[i] < s.max[i])) throw badInput(o.at("max"), "each of its coordinates must exceed that of 'min'");
     facing(o, s);
-    s.subdivisions = o.integer("subdivisions", 1, 1, 1024);
+    s.subdivisions = o.integer("subdivisions", 1, 1, 256);
     const std::vector<std::string> known(std::begin(kBoxFaces), std::end(kBoxFaces));
     const auto face = [&](const std::string& name, const std::string& where) {
       if (std::find(known.begin(), known.end(), name) == known.end())

@@ -1,5 +1,6 @@
 #pragma once
-// What a scene file says, before any geometry is made. Lengths in metres, angles in radians once read (files have degrees).
+// What a scene file says, before any geometry is made. Lengths in metres, angles in radians once read (files have
+// degrees).
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,9 +13,9 @@
 namespace hl {
 
 struct MeshReference {
-  std::string file;      ///< looked for beside the scene file, then along HALFLIGHT_SCENES
-  double scale = 1;      ///< metres a unit of the file
-  std::string obtain;    ///< where to get it, for the message when it is missing
+  std::string file;    ///< looked for beside the scene file, then along HALFLIGHT_SCENES
+  double scale = 1;    ///< metres a unit of the file
+  std::string obtain;  ///< where to get it, for the message when it is missing
 };
 
 enum class ShapeType { Quad, Box, UvSphere, Icosphere };
@@ -29,9 +30,9 @@ struct Shape {
   std::map<std::string, std::string> faceMaterials;  ///< box: exceptions from `material`
   vec3 centre{0.0f};                                 ///< spheres
   float radius = 1;
-  bool inward = false;                               ///< box and spheres: the front looks at the inside
-  bool smooth = false;                               ///< spheres: vertex normals of the sphere instead of the facets'
-  int subdivisions = 1;                              ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere
+  bool inward = false;   ///< box and spheres: the front looks at the inside
+  bool smooth = false;   ///< spheres: vertex normals of the sphere instead of the facets'
+  int subdivisions = 1;  ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere
 };
 inline constexpr const char* kBoxFaces[6] = {"-x", "+x", "-y", "+y", "-z", "+z"};
 

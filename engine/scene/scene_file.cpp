@@ -70,7 +70,8 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
   if (d.mesh) scene = importMeshCached(findMesh(*d.mesh, file), d.mesh->scale, progress);
   scene.name = file.stem().string();
   applyMaterials(scene, d, file.string());
-  appendShapes(scene, d.shapes, d.lightmapUvs, [&](const std::string& name) { return materialNamed(scene, name, false); });
+  appendShapes(scene, d.shapes, d.lightmapUvs,
+               [&](const std::string& name) { return materialNamed(scene, name, false); });
   scene.pointLights = d.pointLights;
   scene.spotLights = d.spotLights;
   scene.directionalLights = d.directionalLights;

@@ -26,7 +26,9 @@ std::string list(const std::vector<fs::path>& folders) {
   return text;
 }
 
-std::string label(const SceneDescription& d, const fs::path& file) { return d.label.empty() ? file.stem().string() : d.label; }
+std::string label(const SceneDescription& d, const fs::path& file) {
+  return d.label.empty() ? file.stem().string() : d.label;
+}
 
 }  // namespace
 
@@ -40,10 +42,12 @@ fs::path findScene(const std::string& nameOrPath, const fs::path& beside) {
     if (asked.is_relative())
       for (const fs::path& folder : folders)
         if (isFile(folder / asked)) return folder / asked;
-    throw badInput(fmt::format("{}: no such file{}", nameOrPath, asked.is_relative() ? "; looked in the current folder, " + list(folders) : ""));
+    throw badInput(fmt::format("{}: no such file{}", nameOrPath,
+                               asked.is_relative() ? "; looked in the current folder, " + list(folders) : ""));
   }
   if (isFile(asked))
-    throw badInput(fmt::format("{}: neither a scene file (.json) nor a mesh that is read ({})", nameOrPath, kMeshKinds));
+    throw badInput(
+        fmt::format("{}: neither a scene file (.json) nor a mesh that is read ({})", nameOrPath, kMeshKinds));
   for (const fs::path& folder : folders) {
     const fs::path file = folder / (nameOrPath + ".json");
     if (isFile(file)) return file;
@@ -51,8 +55,8 @@ fs::path findScene(const std::string& nameOrPath, const fs::path& beside) {
   std::vector<std::string> names;
   for (const SceneListing& s : listScenes()) names.push_back(s.id);
   const std::string near = nearest(nameOrPath, names);
-  throw badInput(fmt::format("there is no scene '{}'{}; looked in {}", nameOrPath, near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
-                             list(folders)));
+  throw badInput(fmt::format("there is no scene '{}'{}; looked in {}", nameOrPath,
+                             near.empty() ? "" : fmt::format("; did you mean '{}'?", near), list(folders)));
 }
 
 fs::path findMesh(const MeshReference& mesh, const fs::path& sceneFile) {
@@ -64,8 +68,9 @@ fs::path findMesh(const MeshReference& mesh, const fs::path& sceneFile) {
   if (asked.is_relative())
     for (const fs::path& folder : folders)
       if (isFile(folder / asked)) return folder / asked;
-  throw badInput(fmt::format("{}: its mesh '{}' is missing{}; looked in {} (HALFLIGHT_SCENES adds folders)", sceneFile.string(), mesh.file,
-                             mesh.obtain.empty() ? "" : "; get it from " + mesh.obtain, list(folders)));
+  throw badInput(fmt::format("{}: its mesh '{}' is missing{}; looked in {} (HALFLIGHT_SCENES adds folders)",
+                             sceneFile.string(), mesh.file, mesh.obtain.empty() ? "" : "; get it from " + mesh.obtain,
+                             list(folders)));
 }
 
 std::vector<SceneListing> listScenes() {

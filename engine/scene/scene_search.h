@@ -7,7 +7,8 @@
 
 namespace hl {
 
-/// The scene or mesh file that a name or path means. @throws Error(BadInput) saying where it was looked for, with the nearest name.
+/// The scene or mesh file that a name or path means. @throws Error(BadInput) saying where it was looked for, with the
+/// nearest name.
 std::filesystem::path findScene(const std::string& nameOrPath, const std::filesystem::path& beside);
 
 /// A scene file's mesh: beside the file, then along scenePath(). @throws Error(BadInput) saying where to get it.

@@ -23,7 +23,10 @@ Json lights(const Scene& s) {
   Json all = Json::array();
   const vec3 back = s.report.recentred;  // files have the places from before
   for (const PointLight& l : s.pointLights)
-    all.push_back({{"type", "point"}, {"name", l.name}, {"position", numbers(l.position + back)}, {"intensity", numbers(l.intensity)}});
+    all.push_back({{"type", "point"},
+                   {"name", l.name},
+                   {"position", numbers(l.position + back)},
+                   {"intensity", numbers(l.intensity)}});
   for (const SpotLight& l : s.spotLights)
     all.push_back({{"type", "spot"},
                    {"name", l.name},
@@ -33,7 +36,10 @@ Json lights(const Scene& s) {
                    {"inner_degrees", degrees(l.innerAngle)},
                    {"outer_degrees", degrees(l.outerAngle)}});
   for (const DirectionalLight& l : s.directionalLights)
-    all.push_back({{"type", "directional"}, {"name", l.name}, {"direction", numbers(l.direction)}, {"irradiance", numbers(l.irradiance)}});
+    all.push_back({{"type", "directional"},
+                   {"name", l.name},
+                   {"direction", numbers(l.direction)},
+                   {"irradiance", numbers(l.irradiance)}});
   return all;
 }
 

@@ -54,7 +54,8 @@ class Builder {
     std::vector<uint32_t> ids;
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i <= n; ++i) {
-        const float u = static_cast<float>(i) / static_cast<float>(n), v = static_cast<float>(j) / static_cast<float>(n);
+        const float u = static_cast<float>(i) / static_cast<float>(n),
+                    v = static_cast<float>(j) / static_cast<float>(n);
         ids.push_back(vertex(glm::mix(glm::mix(c[0], c[1], u), glm::mix(c[3], c[2], u), v), normal, vec2(u, v)));
       }
     const auto at = [&](int i, int j) { return ids[static_cast<size_t>(j * (n + 1) + i)]; };
@@ -115,7 +116,8 @@ void uvSphere(Builder& b, const Shape& s, uint32_t material) {
   };
   for (int j = 0; j < rings; ++j)
     for (int i = 0; i < sectors; ++i) {
-      const vec3 p00 = direction(i, j), p10 = direction(i + 1, j), p11 = direction(i + 1, j + 1), p01 = direction(i, j + 1);
+      const vec3 p00 = direction(i, j), p10 = direction(i + 1, j), p11 = direction(i + 1, j + 1),
+                 p01 = direction(i, j + 1);
       if (j > 0) b.facet(s, {p00, p10, p11}, {uvAt(i, j), uvAt(i + 1, j), uvAt(i + 1, j + 1)}, material);
       if (j + 1 < rings) b.facet(s, {p00, p11, p01}, {uvAt(i, j), uvAt(i + 1, j + 1), uvAt(i, j + 1)}, material);
     }
@@ -124,27 +126,32 @@ void uvSphere(Builder& b, const Shape& s, uint32_t material) {
 
 void icosphere(Builder& b, const Shape& s, uint32_t material) {
   constexpr float g = 1.6180339887f;
-  const std::array<vec3, 12> corners = {vec3(-1, g, 0), vec3(1, g, 0),  vec3(-1, -g, 0), vec3(1, -g, 0),
-                                        vec3(0, -1, g), vec3(0, 1, g),  vec3(0, -1, -g), vec3(0, 1, -g),
-                                        vec3(g, 0, -1), vec3(g, 0, 1),  vec3(-g, 0, -1), vec3(-g, 0, 1)};
+  const std::array<vec3, 12> corners = {vec3(-1, g, 0), vec3(1, g, 0), vec3(-1, -g, 0), vec3(1, -g, 0),
+                                        vec3(0, -1, g), vec3(0, 1, g), vec3(0, -1, -g), vec3(0, 1, -g),
+                                        vec3(g, 0, -1), vec3(g, 0, 1), vec3(-g, 0, -1), vec3(-g, 0, 1)};
   constexpr std::array<std::array<uint8_t, 3>, 20> faces = {
-      {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-       {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
+      {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+       {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+       {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
   const int n = s.subdivisions;
   for (const auto& face : faces) {
-    // Integer weights, summed in the order of the corners' indices: neighbours get bit-identical points on a shared edge.
+    // Integer weights, summed in the order of the corners' indices: neighbours get bit-identical points on a shared
+    // edge.
     const auto direction = [&](int i, int j) {
       std::array<std::pair<int, int>, 3> terms = {{{face[0], n - i - j}, {face[1], i}, {face[2], j}}};
       std::sort(terms.begin(), terms.end());
       vec3 sum(0.0f);
-      for (const auto& [corner, weight] : terms) sum += static_cast<float>(weight) * corners[static_cast<size_t>(corner)];
+      for (const auto& [corner, weight] : terms)
+        sum += static_cast<float>(weight) * corners[static_cast<size_t>(corner)];
       return glm::normalize(sum);
     };
-    const auto uvAt = [&](int i, int j) { return vec2(static_cast<float>(i), static_cast<float>(j)) / static_cast<float>(n); };
+    const auto uvAt = [&](int i, int j) {
+      return vec2(static_cast<float>(i), static_cast<float>(j)) / static_cast<float>(n);
+    };
     for (int j = 0; j < n; ++j)
       for (int i = 0; i + j < n; ++i) {
-        b.facet(s, {direction(i, j), direction(i + 1, j), direction(i, j + 1)}, {uvAt(i, j), uvAt(i + 1, j), uvAt(i, j + 1)},
-                material);
+        b.facet(s, {direction(i, j), direction(i + 1, j), direction(i, j + 1)},
+                {uvAt(i, j), uvAt(i + 1, j), uvAt(i, j + 1)}, material);
         if (i + j + 1 < n)
           b.facet(s, {direction(i + 1, j), direction(i + 1, j + 1), direction(i, j + 1)},
                   {uvAt(i + 1, j), uvAt(i + 1, j + 1), uvAt(i, j + 1)}, material);
@@ -166,9 +173,15 @@ void appendShapes(Scene& scene, const std::vector<Shape>& shapes, bool lightmapU
       case ShapeType::Quad:
         b.patch({s.corners[0], s.corners[1], s.corners[2], s.corners[3]}, s.subdivisions, material(s.material));
         break;
-      case ShapeType::Box: box(b, s, material); break;
-      case ShapeType::UvSphere: uvSphere(b, s, material(s.material)); break;
-      case ShapeType::Icosphere: icosphere(b, s, material(s.material)); break;
+      case ShapeType::Box:
+        box(b, s, material);
+        break;
+      case ShapeType::UvSphere:
+        uvSphere(b, s, material(s.material));
+        break;
+      case ShapeType::Icosphere:
+        icosphere(b, s, material(s.material));
+        break;
     }
   }
   if (!shapes.empty()) scene.hasUvs = true;

@@ -6,7 +6,8 @@
 
 namespace hl {
 
-/// Logical lines: a backslash at the end of a line joins it with the next. Line numbers are those of the first physical line.
+/// Logical lines: a backslash at the end of a line joins it with the next. Line numbers are those of the first physical
+/// line.
 class TextLines {
  public:
   explicit TextLines(std::string_view text) : text_(text) {}
@@ -45,7 +46,8 @@ inline bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == 
 /// Takes the next word off the line; empty at its end. A backslash alone is a joined line's, and counts as blank.
 inline std::string_view takeWord(std::string_view& line) {
   size_t begin = 0;
-  while (begin < line.size() && (isBlank(line[begin]) || (line[begin] == '\\' && begin + 1 < line.size() && isBlank(line[begin + 1]))))
+  while (begin < line.size() &&
+         (isBlank(line[begin]) || (line[begin] == '\\' && begin + 1 < line.size() && isBlank(line[begin + 1]))))
     ++begin;
   size_t end = begin;
   while (end < line.size() && !isBlank(line[end])) ++end;

@@ -101,7 +101,8 @@ Texture loadTexture(std::string_view encoded, const std::string& name, const std
   } catch (const Error& e) {
     std::filesystem::remove(file, ignored);
     std::string what = e.what();
-    if (const size_t at = what.find(file.string()); at != std::string::npos) what.replace(at, file.string().size(), name);
+    if (const size_t at = what.find(file.string()); at != std::string::npos)
+      what.replace(at, file.string().size(), name);
     throw Error(e.kind(), what);
   }
 }

@@ -7,7 +7,8 @@
 
 namespace hl {
 
-/// Textures with a longer side are reduced to it: every layer of the device's texture array has the size of the largest.
+/// Textures with a longer side are reduced to it: every layer of the device's texture array has the size of the
+/// largest.
 inline constexpr int kMaxTextureSize = 1024;
 
 /// @throws Error(BadInput) naming the file, where it is missing, cut off or no image.

@@ -1,6 +1,7 @@
 #pragma once
-// A texture as transport sees it, on the host: bilinear between texel centres, repeating, row 0 at v = 1, no mip levels, the sRGB curve
-// undone before filtering. shaders/scene.glsl does the same arithmetic; a test holds the two together.
+// A texture as transport sees it, on the host: bilinear between texel centres, repeating, row 0 at v = 1, no mip
+// levels, the sRGB curve undone before filtering. shaders/scene.glsl does the same arithmetic; a test holds the two
+// together.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -49,8 +50,9 @@ inline vec4 sampleTexture(const Texture& t, vec2 uv) {
   vec4 sum(0.0f);
   for (size_t i = 0; i < 4; ++i) {
     const uint8_t* p = t.rgba.data() + taps.offset[i];
-    const vec3 rgb = t.srgb ? vec3(srgbDecodeTable()[p[0]], srgbDecodeTable()[p[1]], srgbDecodeTable()[p[2]])
-                            : vec3(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])) / 255.0f;
+    const vec3 rgb = t.srgb
+                         ? vec3(srgbDecodeTable()[p[0]], srgbDecodeTable()[p[1]], srgbDecodeTable()[p[2]])
+                         : vec3(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])) / 255.0f;
     sum += taps.weight[i] * vec4(rgb, static_cast<float>(p[3]) / 255.0f);
   }
   return sum;
