@@ -7,6 +7,8 @@
 namespace hl {
 namespace {
 
+constexpr float kLeastSmoothNormal2 = 1e-12f;  // as in shaders/scene.glsl
+
 struct Corners {
   uvec3 i;
   vec3 e1, e2;  ///< edges from corner 0
@@ -48,8 +50,9 @@ Surface surfaceAt(const Scene& scene, const shared::Hit& hit, vec3 direction, bo
   if (mappedNormals) {
     const vec3 smooth = (1 - hit.u - hit.v) * scene.normals[c.i.x] + hit.u * scene.normals[c.i.y] +
                         hit.v * scene.normals[c.i.z];
-    // Vertex normals that cancel out, or point to the back, say nothing about the front.
-    if (glm::dot(smooth, s.geometricNormal) > 0) s.normal = glm::normalize(smooth);
+    // As the rasteriser has it: vertex normals that cancel out say nothing, those that point to the back are turned.
+    if (glm::dot(smooth, smooth) >= kLeastSmoothNormal2)
+      s.normal = glm::normalize(glm::dot(smooth, s.geometricNormal) < 0 ? -smooth : smooth);
     if (m.normalTexture != kNone) s.normal = tilted(scene, m, hit, c, s.normal);
   }
   if (s.backFace) s.geometricNormal = -s.geometricNormal, s.normal = -s.normal;
