@@ -50,6 +50,9 @@ void defineRender(CLI::App& app, RenderOptions& o) {
   c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
   c->add_option("--camera", o.camera, "One of the scene's cameras");
   c->add_option("--seed", o.seed, "Seed of the random sequences");
+  c->add_option("--view", o.view,
+                "What picture.png shows: final, indirect, direct, albedo, a view of the technique ...");
+  c->add_option("--exposure", o.exposure, "Of picture.png, in stops")->check(CLI::Range(-64.0, 64.0));
   repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
       ->delimiter(',');
   repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');

@@ -25,6 +25,8 @@ struct RenderOptions {
   std::vector<std::string> set, metrics, errorTargets{"image"};
   std::optional<int> frames;
   std::optional<uint32_t> seed;
+  std::string view;
+  std::optional<float> exposure;
   std::string out;
 };
 

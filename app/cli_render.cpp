@@ -29,6 +29,8 @@ Preset wantedPreset(const RenderOptions& o) {
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
+  if (!o.view.empty()) preset.display.view = o.view;
+  if (o.exposure) preset.display.exposure = *o.exposure;
   setParameters(preset, o.set);
   checkMetrics(o.metrics);
   for (const std::string& target : o.errorTargets)

@@ -40,7 +40,8 @@ Preset presetOfImage(const fs::path& file) {
 Preset openTarget(const std::string& nameOrPath) {
   const fs::path path(nameOrPath);
   const std::string extension = lowerExtension(path);
-  if (fs::is_directory(path))
+  // A folder beside the person may have a scene's name: only a path is taken for a folder.
+  if (fs::is_directory(path) && path.has_parent_path())
     throw badInput(fmt::format("{}: this is a folder; a preset, scene, mesh or image is wanted", nameOrPath));
   if (extension == ".png" || extension == ".exr") return presetOfImage(path);
   if (extension == ".json" && fs::exists(path)) {
@@ -52,7 +53,7 @@ Preset openTarget(const std::string& nameOrPath) {
     if (!scene && document.is_object() && (document.contains("technique") || document.contains("parameters")))
       return loadPreset(path);  // which says what is missing
   }
-  if (extension.empty() && !fs::exists(path))
+  if (extension.empty() && !fs::is_regular_file(path))
     for (const PresetListing& listing : listPresets())
       if (listing.id == nameOrPath) return loadPreset(listing.file);
   return withScene(nameOrPath);

@@ -110,6 +110,18 @@ TEST(CliRender, FramesAreCountedAndTheSummaryIsReadable) {
   EXPECT_EQ(plain.err, "");
 }
 
+TEST(CliRender, ThePictureShowsTheViewThatIsWanted) {
+  const TemporaryFolder folder;
+  const auto picture = [&](const std::string& view, const char* name) {
+    const CliResult r = runCli({"render", "cornell_box", "--technique", "none", "--frames", "1", "--resolution",
+                                "32x18", "--view", view, "--out", folder / name});
+    EXPECT_EQ(r.code, 0) << r.err;
+    return readImage(folder.path() / name / "picture.png");
+  };
+  EXPECT_NE(picture("albedo", "a").data, picture("normal", "b").data);
+  expectFailure(runCli({"render", "cornell_box", "--view", "albed"}), 2, {"albed", "albedo"});
+}
+
 TEST(CliRender, CtrlCKeepsWhatIsDone) {
   const CliResult r =
       runCli({"render", "cornell_box", "--json", "--resolution", "64x36", "--set", "lightmap.resolution=1024", "--set",
