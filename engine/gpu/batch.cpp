@@ -11,7 +11,9 @@ namespace hl {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double msSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 /// What a host pass sees of its buffers.
 class MappedBuffers final : public HostAccess {
@@ -41,7 +43,8 @@ class Runner {
 
   BatchTimings run() {
     for (const Pass& pass : graph_.passes) {
-      if (!pass.complete) throw badInput(fmt::format("pass \"{}\": recorded, but never dispatched, drawn or run", pass.name));
+      if (!pass.complete)
+        throw badInput(fmt::format("pass \"{}\": recorded, but never dispatched, drawn or run", pass.name));
     }
     prepare();
     graph_.barriers.clear();
@@ -69,7 +72,9 @@ class Runner {
     }
     flush();
     collect();
-    std::erase_if(graph_.stagings, [&](const Buffer& b) { return std::find(staged_.begin(), staged_.end(), b.state()) == staged_.end(); });
+    std::erase_if(graph_.stagings, [&](const Buffer& b) {
+      return std::find(staged_.begin(), staged_.end(), b.state()) == staged_.end();
+    });
     return std::move(timings_);
   }
 
@@ -143,8 +148,8 @@ class Runner {
 
   void close(size_t range) {
     if (range != kNoRange) {
-      // Keeps the next pass from starting before this one's time is taken. Not under validation: it would order everything, and so hide
-      // a missing barrier between passes from synchronisation validation.
+      // Keeps the next pass from starting before this one's time is taken. Not under validation: it would order
+      // everything, and so hide a missing barrier between passes from synchronisation validation.
       if (!device_.instance->validation()) {
         VkMemoryBarrier2 all{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
         all.srcStageMask = all.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -153,7 +158,8 @@ class Runner {
         info.pMemoryBarriers = &all;
         vkCmdPipelineBarrier2(graph_.commands, &info);
       }
-      vkCmdWriteTimestamp2(graph_.commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, graph_.queries, ranges_[range].query + 1);
+      vkCmdWriteTimestamp2(graph_.commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, graph_.queries,
+                           ranges_[range].query + 1);
     }
     if (device_.endLabel != nullptr) device_.endLabel(graph_.commands);
   }
@@ -194,7 +200,8 @@ class Runner {
     const VkPipelineBindPoint point = raster ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
     const Pipeline& pipeline = *pass.pipeline;
     vkCmdBindPipeline(c, point, pipeline.handle);
-    vkCmdBindDescriptorSets(c, point, pipeline.layout, 0, static_cast<uint32_t>(pass.sets.size()), pass.sets.data(), 0, nullptr);
+    vkCmdBindDescriptorSets(c, point, pipeline.layout, 0, static_cast<uint32_t>(pass.sets.size()), pass.sets.data(), 0,
+                            nullptr);
     if (pipeline.pushBytes > 0 && !pass.push.empty()) {
       const auto bytes = std::min(pipeline.pushBytes, static_cast<uint32_t>(pass.push.size()));
       vkCmdPushConstants(c, pipeline.layout, pipeline.pushStages, 0, bytes, pass.push.data());
@@ -319,14 +326,15 @@ class Runner {
   void collect() {
     if (ranges_.empty()) return;
     std::vector<uint64_t> ticks(ranges_.size() * 2);
-    check(vkGetQueryPoolResults(device_.device, graph_.queries, 0, static_cast<uint32_t>(ticks.size()), ticks.size() * 8, ticks.data(),
-                                8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+    check(vkGetQueryPoolResults(device_.device, graph_.queries, 0, static_cast<uint32_t>(ticks.size()),
+                                ticks.size() * 8, ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "reading timestamps");
     const uint32_t bits = device_.survey.timestampBits;
     const uint64_t mask = bits >= 64 ? ~0ull : (1ull << bits) - 1;
     for (const Range& r : ranges_) {
       const uint64_t elapsed = (ticks[r.query + 1] - ticks[r.query]) & mask;
-      timings_.passes[r.pass].ms += static_cast<double>(elapsed) * static_cast<double>(device_.survey.properties.limits.timestampPeriod) * 1e-6;
+      timings_.passes[r.pass].ms +=
+          static_cast<double>(elapsed) * static_cast<double>(device_.survey.properties.limits.timestampPeriod) * 1e-6;
     }
   }
 

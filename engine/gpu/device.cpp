@@ -30,8 +30,8 @@ DeviceSurvey choose(const std::vector<DeviceSurvey>& all, const std::string& sel
                         all[i].info.missing.empty() ? "" : ", lacks " + all[i].info.missing);
   }
   const DeviceSurvey* best = nullptr;
-  const bool number = !select.empty() && std::all_of(select.begin(), select.end(),
-                                                     [](unsigned char c) { return std::isdigit(c) != 0; });
+  const bool number = !select.empty() &&
+                      std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
   for (size_t i = 0; i < all.size(); ++i) {
     const DeviceSurvey& s = all[i];
     if (number) {
@@ -45,7 +45,8 @@ DeviceSurvey choose(const std::vector<DeviceSurvey>& all, const std::string& sel
   }
   if (best == nullptr) throw badInput(fmt::format("no device matches \"{}\"; there are {}", select, list));
   if (!best->info.missing.empty()) {
-    throw Error(ErrorKind::Device, fmt::format("device \"{}\" lacks {}; there are {}", best->info.name, best->info.missing, list));
+    throw Error(ErrorKind::Device,
+                fmt::format("device \"{}\" lacks {}; there are {}", best->info.name, best->info.missing, list));
   }
   return *best;
 }
@@ -75,7 +76,8 @@ Device::Impl::Impl(const DeviceOptions& options) {
   queueInfo.pQueuePriorities = &priority;
 
   std::vector<const char*> extensions;
-  VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomics{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT};
+  VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomics{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT};
   atomics.shaderBufferFloat32Atomics = atomics.shaderBufferFloat32AtomicAdd = VK_TRUE;
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   v13.dynamicRendering = v13.synchronization2 = v13.maintenance4 = VK_TRUE;

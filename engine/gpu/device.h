@@ -1,5 +1,6 @@
 #pragma once
-// The Vulkan device: any vendor, lavapipe where there is nothing better. One queue. Vulkan's headers are in engine/gpu's own files alone.
+// The Vulkan device: any vendor, lavapipe where there is nothing better. One queue. Vulkan's headers are in
+// engine/gpu's own files alone.
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,22 +10,25 @@
 namespace hl {
 
 struct DeviceOptions {
-  std::string select;       ///< "": the best (discrete, integrated, virtual, CPU); else an index of listDevices() or part of a name
+  std::string
+      select;  ///< "": the best (discrete, integrated, virtual, CPU); else an index of listDevices() or part of a name
   bool validation = false;  ///< validation and synchronisation validation; HALFLIGHT_VALIDATION=1 turns it on as well
-  bool staging = false;     ///< act as on a device whose memory the host cannot map, so that tests reach those paths anywhere
+  bool staging =
+      false;  ///< act as on a device whose memory the host cannot map, so that tests reach those paths anywhere
 };
 
 struct DeviceInfo {
-  std::string name, type, driver, api;  ///< type: "discrete", "integrated", "virtual", "cpu", "other"
+  std::string name, type, driver, api;                 ///< type: "discrete", "integrated", "virtual", "cpu", "other"
   std::vector<std::pair<std::string, bool>> features;  ///< what the engine looks for, and whether it is there
-  std::string missing;                  ///< what makes the device unusable, or ""
+  std::string missing;                                 ///< what makes the device unusable, or ""
 };
 /// @throws Error(Device) where there is no Vulkan loader or driver, saying how to get one.
 std::vector<DeviceInfo> listDevices();
 
 class Device {
  public:
-  /// @throws Error(Device) naming what is missing; Error(BadInput) for a selection that matches nothing (with the list).
+  /// @throws Error(Device) naming what is missing; Error(BadInput) for a selection that matches nothing (with the
+  /// list).
   explicit Device(const DeviceOptions& = {});
   ~Device();
   Device(const Device&) = delete;

@@ -64,7 +64,7 @@ struct ImageState {
   VkImageView sampledArray = VK_NULL_HANDLE;  ///< 2D array, all mips; null for depth
   VkImageView storage = VK_NULL_HANDLE;       ///< mip 0: storage and attachment
   VkImageUsageFlags usage = 0;
-  bool filterable = false;                    ///< linear filtering
+  bool filterable = false;  ///< linear filtering
   Allocation allocation;
   ResourceHistory history;
   ~ImageState();
@@ -91,7 +91,7 @@ inline constexpr ResourceUse kTransferWrite{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT
                                             VK_IMAGE_LAYOUT_UNDEFINED};
 inline constexpr ResourceUse kImageTransferRead{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, 0,
                                                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
-inline constexpr ResourceUse kImageTransferWrite{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, 0, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
+inline constexpr ResourceUse kImageTransferWrite{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, 0,
+                                                 VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL};
 
 }  // namespace hl

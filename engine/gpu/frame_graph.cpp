@@ -89,7 +89,8 @@ void ComputePass::dispatch(uint32_t x, uint32_t y, uint32_t z) {
   Pass& pass = graph_->impl_->at(index_);
   const uint32_t* limit = graph_->impl_->device->survey.properties.limits.maxComputeWorkGroupCount;
   if (y > limit[1] || z > limit[2]) {
-    const Error e = badInput(fmt::format("pass \"{}\": {} x {} x {} groups; along y and z at most {} and {}", pass.name, x, y, z, limit[1], limit[2]));
+    const Error e = badInput(fmt::format("pass \"{}\": {} x {} x {} groups; along y and z at most {} and {}", pass.name,
+                                         x, y, z, limit[1], limit[2]));
     graph_->impl_->drop();
     throw e;
   }
@@ -189,8 +190,8 @@ ComputePass FrameGraph::compute(const std::string& name, const std::string& shad
   return pass;
 }
 
-RasterPass FrameGraph::raster(const std::string& name, const std::string& vertexShader, const std::string& fragmentShader,
-                              const RasterTargets& targets) {
+RasterPass FrameGraph::raster(const std::string& name, const std::string& vertexShader,
+                              const std::string& fragmentShader, const RasterTargets& targets) {
   auto vertex = impl_->shaders.impl().find(vertexShader), fragment = impl_->shaders.impl().find(fragmentShader);
   for (const GpuImage& target : targets.color) {
     if (target.width() != targets.color[0].width() || target.height() != targets.color[0].height()) {
@@ -234,7 +235,8 @@ void FrameGraph::copy(const std::string& name, const GpuImage& from, const GpuIm
   if (!from || !to) throw badInput(fmt::format("pass \"{}\": an empty image is copied", name));
   const ImageDesc &a = from.state()->desc, &b = to.state()->desc;
   if (a.width != b.width || a.height != b.height || a.format != b.format || a.layers != b.layers) {
-    throw badInput(fmt::format("pass \"{}\": images \"{}\" and \"{}\" differ in size or format", name, from.name(), to.name()));
+    throw badInput(
+        fmt::format("pass \"{}\": images \"{}\" and \"{}\" differ in size or format", name, from.name(), to.name()));
   }
   Pass& pass = impl_->add(Pass::Kind::Transfer, name);
   pass.use(from, kImageTransferRead);

@@ -1,11 +1,16 @@
 #pragma once
-// One batch of passes: recorded in order, run in order, with barriers derived from what each pass binds (DESIGN.md section 3).
+// One batch of passes: recorded in order, run in order, with barriers derived from what each pass binds (DESIGN.md
+// section 3).
 //
-//   graph.compute("surfels: trace", "surfels/shade_hits.comp").bind("surfels", buffer, Access::ReadWrite).push(constants).dispatch(groups);
-//   graph.host("surfels: cast rays").read(rays).write(hits).run([&](HostAccess& memory) { ... memory.span<Ray>(rays) ... });
+//   graph.compute("surfels: trace", "surfels/shade_hits.comp")
+//       .bind("surfels", buffer, Access::ReadWrite).push(constants).dispatch(groups);
+//   graph.host("surfels: cast rays").read(rays).write(hits).run([&](HostAccess& memory) {
+//     ... memory.span<Ray>(rays) ...
+//   });
 //
-// A pass is its name: timer, debug label, and prefix of its errors. A binding that the shader has and nobody bound, or that was bound and the
-// shader has not, throws Error(BadInput) naming pass, shader and binding.
+// A pass is its name: timer, debug label, and prefix of its errors. Bindings go by name: that of the variable or instance,
+// of a block's sole member, or of the block; binding numbers in shaders mean nothing. A binding that the shader has and
+// nobody bound, or that was bound and the shader has not, throws Error(BadInput) naming pass, shader and binding.
 #include <functional>
 #include <memory>
 #include <span>
@@ -21,7 +26,8 @@ namespace hl {
 
 enum class Access { Read, Write, ReadWrite };
 
-/// What a host pass sees: its declared buffers, mapped (or staged copies of them, where the device's memory is not host-visible).
+/// What a host pass sees: its declared buffers, mapped (or staged copies of them, where the device's memory is not
+/// host-visible).
 class HostAccess {
  public:
   virtual ~HostAccess() = default;
@@ -40,20 +46,21 @@ class ComputePass {
  public:
   ComputePass& bind(const char* name, const Buffer&, Access);
   ComputePass& bind(const char* name, const GpuImage&, Access);  ///< storage image
-  ComputePass& sample(const char* name, const GpuImage&);        ///< combined image sampler, linear, clamped (repeat for arrays)
+  ComputePass& sample(const char* name,
+                      const GpuImage&);  ///< combined image sampler, linear, clamped (repeat for arrays)
   template <class T>
-  ComputePass& uniform(const char* name, const T& block) {       ///< a small uniform block, copied now
+  ComputePass& uniform(const char* name, const T& block) {  ///< a small uniform block, copied now
     static_assert(std::is_trivially_copyable_v<T>);
     return uniformBytes(name, &block, sizeof block);
   }
   template <class T>
-  ComputePass& push(const T& constants) {                        ///< up to 128 bytes
+  ComputePass& push(const T& constants) {  ///< up to 128 bytes
     static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 128);
     return pushBytes(&constants, sizeof constants);
   }
-  ComputePass& specialize(const char* name, uint32_t value);     ///< by the constant's name; bools are 0 and 1
-  /// Groups; or threads, rounded up to the shader's group size. More groups along x than the device takes in one go are dispatched in
-  /// pieces: gl_WorkGroupID and gl_GlobalInvocationID go on counting, gl_NumWorkGroups is the piece's.
+  ComputePass& specialize(const char* name, uint32_t value);  ///< by the constant's name; bools are 0 and 1
+  /// Groups; or threads, rounded up to the shader's group size. More groups along x than the device takes in one go are
+  /// dispatched in pieces: gl_WorkGroupID and gl_GlobalInvocationID go on counting, gl_NumWorkGroups is the piece's.
   void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);
   void dispatchThreads(uint32_t x, uint32_t y = 1, uint32_t z = 1);
 
@@ -114,7 +121,8 @@ class FrameGraph {
   ~FrameGraph();
 
   ComputePass compute(const std::string& name, const std::string& shader);
-  RasterPass raster(const std::string& name, const std::string& vertexShader, const std::string& fragmentShader, const RasterTargets&);
+  RasterPass raster(const std::string& name, const std::string& vertexShader, const std::string& fragmentShader,
+                    const RasterTargets&);
   HostPass host(const std::string& name);
   void clear(const std::string& name, const Buffer&, uint32_t value = 0);
   void clear(const std::string& name, const GpuImage&);
@@ -122,7 +130,8 @@ class FrameGraph {
   /// Listed with the timings, not recorded.
   void skip(const std::string& name, const std::string& reason);
 
-  /// An image that keeps its content from one execute to the next; `fresh` (where given) tells that it was made anew and holds zeros.
+  /// An image that keeps its content from one execute to the next; `fresh` (where given) tells that it was made anew
+  /// and holds zeros.
   GpuImage history(const std::string& name, const ImageDesc&, bool* fresh = nullptr);
   Buffer historyBuffer(const std::string& name, uint64_t bytes, bool* fresh = nullptr);
   /// Forgets histories whose name starts with `prefix` ("" for all).
@@ -131,14 +140,17 @@ class FrameGraph {
   GpuImage transient(const std::string& name, const ImageDesc&);
   Buffer transientBuffer(const std::string& name, uint64_t bytes);
 
-  /// Submits everything recorded since the last call, waits for it, and returns what each pass took. The graph is then empty.
-  /// @throws Error(Device) when the device is lost; exceptions of host passes come through, the rest of the batch is dropped.
+  /// Submits everything recorded since the last call, waits for it, and returns what each pass took. The graph is then
+  /// empty.
+  /// @throws Error(Device) when the device is lost; exceptions of host passes come through, the rest of the batch is
+  /// dropped.
   BatchTimings execute();
   /// Forgets what was recorded since the last execute. An error thrown while recording does the same.
   void drop();
 
   const std::vector<BarrierRecord>& barriers() const;  ///< of the last execute
-  /// For the test that plants a fault: leaves out the barriers (changes of layout apart) before the named pass of the next execute.
+  /// For the test that plants a fault: leaves out the barriers (changes of layout apart) before the named pass of the
+  /// next execute.
   void omitBarriersBefore(const std::string& pass);
   struct Impl;
 

@@ -13,7 +13,7 @@ struct ResourceUse {
 
 /// What is remembered about a resource between uses, over submissions and graphs.
 struct ResourceHistory {
-  VkPipelineStageFlags2 writeStages = 0;    ///< of the last write or layout change
+  VkPipelineStageFlags2 writeStages = 0;  ///< of the last write or layout change
   VkAccessFlags2 writeAccess = 0;
   VkPipelineStageFlags2 readStages = 0;     ///< of the reads since then
   VkPipelineStageFlags2 visibleStages = 0;  ///< where that write has been made visible

@@ -48,11 +48,16 @@ bool hasLayer(const char* name) {
 
 const char* typeName(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
   }
 }
 
@@ -98,14 +103,16 @@ Instance::Instance(bool validation) : validation_(validation) {
   messenger.pUserData = &log_;
   if (validation_) {
     if (!hasLayer(kValidationLayer)) {
-      throw Error(ErrorKind::Device, "validation is asked for, but VK_LAYER_KHRONOS_validation is not installed: install "
-                                     "vulkan-validationlayers");
+      throw Error(ErrorKind::Device,
+                  "validation is asked for, but VK_LAYER_KHRONOS_validation is not installed: install "
+                  "vulkan-validationlayers");
     }
     layers.push_back(kValidationLayer);
     debugLabels_ = debugLabels_ || hasExtension(kValidationLayer, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (!debugLabels_ || !hasExtension(kValidationLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME)) {
-      throw Error(ErrorKind::Device, "the installed validation layer has no synchronisation validation: update "
-                                     "vulkan-validationlayers");
+      throw Error(ErrorKind::Device,
+                  "the installed validation layer has no synchronisation validation: update "
+                  "vulkan-validationlayers");
     }
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
     features.pNext = &messenger;
@@ -182,7 +189,8 @@ DeviceSurvey survey(VkPhysicalDevice physical) {
                        [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
   };
 
-  VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomics{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT};
+  VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomics{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_ATOMIC_FLOAT_FEATURES_EXT};
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};

@@ -36,8 +36,8 @@ std::vector<uint32_t> DeviceMemory::typesFor(uint32_t allowed, MemoryUse use) co
     int score = 0;
     switch (use) {
       case MemoryUse::Device:
-        // Where the host shares the memory, a mapped type spares every staging copy; elsewhere a window on device memory
-        // (often small) is left alone.
+        // Where the host shares the memory, a mapped type spares every staging copy; elsewhere a window on device
+        // memory (often small) is left alone.
         score = ((flags & local) != 0 ? 4 : 0) + (visible == hostVisible_ ? 2 : 0);
         if (hostVisible_ && (flags & cached) != 0) score += 1;
         break;
@@ -85,7 +85,8 @@ MemoryBlock* DeviceMemory::newBlock(uint32_t type, uint64_t bytes, bool tiled, b
   return blocks_.back().get();
 }
 
-Allocation DeviceMemory::allocate(const VkMemoryRequirements& need, MemoryUse use, bool tiled, const std::string& what) {
+Allocation DeviceMemory::allocate(const VkMemoryRequirements& need, MemoryUse use, bool tiled,
+                                  const std::string& what) {
   std::lock_guard lock(mutex_);
   for (const uint32_t type : typesFor(need.memoryTypeBits, use)) {
     const bool dedicated = need.size > kBlockBytes;
@@ -106,9 +107,9 @@ Allocation DeviceMemory::allocate(const VkMemoryRequirements& need, MemoryUse us
     bytes_ += need.size;
     return {block, *offset, need.size};
   }
-  throw Error(ErrorKind::Device, fmt::format("{}: no device memory left for {:.1f} MiB ({:.1f} MiB are in use)", what,
-                                             static_cast<double>(need.size) / 1048576.0,
-                                             static_cast<double>(bytes_) / 1048576.0));
+  throw Error(ErrorKind::Device,
+              fmt::format("{}: no device memory left for {:.1f} MiB ({:.1f} MiB are in use)", what,
+                          static_cast<double>(need.size) / 1048576.0, static_cast<double>(bytes_) / 1048576.0));
 }
 
 void DeviceMemory::release(Allocation& a) {
@@ -118,7 +119,8 @@ void DeviceMemory::release(Allocation& a) {
   bytes_ -= a.size;
   // One empty block of a kind is kept, so that a resource made and dropped every frame does not allocate every frame.
   const auto spare = [&](const auto& b) {
-    return b.get() != a.block && b->type == a.block->type && b->tiled == a.block->tiled && !b->dedicated && b->free.empty();
+    return b.get() != a.block && b->type == a.block->type && b->tiled == a.block->tiled && !b->dedicated &&
+           b->free.empty();
   };
   if (a.block->free.empty() && (a.block->dedicated || std::any_of(blocks_.begin(), blocks_.end(), spare))) {
     heapUsed_[properties_.memoryTypes[a.block->type].heapIndex] -= a.block->size;

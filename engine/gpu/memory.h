@@ -1,6 +1,6 @@
 #pragma once
-// Device memory in blocks, handed out in pieces. Linear (buffers) and tiled (images) resources never share a block, so that
-// bufferImageGranularity never matters.
+// Device memory in blocks, handed out in pieces. Linear (buffers) and tiled (images) resources never share a block, so
+// that bufferImageGranularity never matters.
 #include <memory>
 #include <mutex>
 #include <string>

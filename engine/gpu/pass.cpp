@@ -13,9 +13,12 @@ constexpr uint32_t kSetsPerPool = 128;
 
 VkPipelineStageFlags2 stageFlags(VkShaderStageFlagBits stage) {
   switch (stage) {
-    case VK_SHADER_STAGE_VERTEX_BIT: return VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT;
-    case VK_SHADER_STAGE_FRAGMENT_BIT: return VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
-    default: return VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    case VK_SHADER_STAGE_VERTEX_BIT:
+      return VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT;
+    case VK_SHADER_STAGE_FRAGMENT_BIT:
+      return VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+    default:
+      return VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
   }
 }
 
@@ -53,7 +56,8 @@ struct Resolver {
       std::vector<std::string> bound;
       for (const BoundResource& r : pass.bindings) bound.push_back(r.name);
       const std::string near = nearest(b.names.front(), bound);
-      throw fail(shader, b.names.front(), "nothing is bound to it" + (near.empty() ? "" : "; is \"" + near + "\" meant for it?"));
+      throw fail(shader, b.names.front(),
+                 "nothing is bound to it" + (near.empty() ? "" : "; is \"" + near + "\" meant for it?"));
     }
     return *found;
   }
@@ -66,15 +70,17 @@ struct Resolver {
     if (r.uniformBytes > 0) {
       if (!uniform) throw fail(shader, r.name, fmt::format("is {}, not a uniform block", kindName(b.kind)));
       if (r.uniformBytes < b.blockBytes || r.uniformBytes > (b.blockBytes + 15) / 16 * 16) {
-        throw fail(shader, r.name, fmt::format("the block has {} bytes, and {} are given", b.blockBytes, r.uniformBytes));
+        throw fail(shader, r.name,
+                   fmt::format("the block has {} bytes, and {} are given", b.blockBytes, r.uniformBytes));
       }
       info = {state.handle, r.uniformOffset, r.uniformBytes};
       return true;
     }
     const uint64_t largest = uniform ? limits.maxUniformBufferRange : limits.maxStorageBufferRange;
     if (state.size > largest) {
-      throw Error(ErrorKind::Device, fmt::format("pass \"{}\", binding \"{}\": buffer \"{}\" has {} bytes, and {} binds at most {}",
-                                                 pass.name, r.name, state.name, state.size, device.survey.info.name, largest));
+      throw Error(ErrorKind::Device,
+                  fmt::format("pass \"{}\", binding \"{}\": buffer \"{}\" has {} bytes, and {} binds at most {}",
+                              pass.name, r.name, state.name, state.size, device.survey.info.name, largest));
     }
     info = {state.handle, 0, VK_WHOLE_SIZE};
     if (uniform && r.access != Access::Read) throw fail(shader, r.name, "a uniform block is only read");
@@ -88,7 +94,9 @@ struct Resolver {
     if (r.sampled) {
       const VkImageView view = b.arrayed ? state.sampledArray : state.sampled;
       if (view == VK_NULL_HANDLE) {
-        throw fail(shader, r.name, fmt::format("image \"{}\" has {} layers and is sampled as a single one", state.name, state.desc.layers));
+        throw fail(
+            shader, r.name,
+            fmt::format("image \"{}\" has {} layers and is sampled as a single one", state.name, state.desc.layers));
       }
       const bool nearestFilter = b.integer || !state.filterable;
       info.sampler = nearestFilter ? device.nearestSampler : b.arrayed ? device.repeatSampler : device.clampSampler;
@@ -99,11 +107,13 @@ struct Resolver {
       info.imageLayout = stored ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     } else {
       if ((state.usage & VK_IMAGE_USAGE_STORAGE_BIT) == 0) {
-        throw fail(shader, r.name, fmt::format("{} images cannot be stored to here", formatInfo(state.desc.format).name));
+        throw fail(shader, r.name,
+                   fmt::format("{} images cannot be stored to here", formatInfo(state.desc.format).name));
       }
       if (b.arrayed != (state.desc.layers > 1)) {
-        throw fail(shader, r.name, fmt::format("image \"{}\" has {} layers, the shader {}", state.name, state.desc.layers,
-                                               b.arrayed ? "wants an array" : "wants one"));
+        throw fail(shader, r.name,
+                   fmt::format("image \"{}\" has {} layers, the shader {}", state.name, state.desc.layers,
+                               b.arrayed ? "wants an array" : "wants one"));
       }
       info.imageView = state.storage;
       info.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
@@ -139,7 +149,9 @@ struct Resolver {
         write.pImageInfo = &imageInfos[i];
       } else if (b.kind == BindingKind::TexelBuffer && r.uniformBytes == 0) {
         if (r.buffer.state()->texels == VK_NULL_HANDLE) {
-          throw fail(shader, r.name, fmt::format("is a texel buffer, and buffer \"{}\" was made without a texel format", r.buffer.name()));
+          throw fail(
+              shader, r.name,
+              fmt::format("is a texel buffer, and buffer \"{}\" was made without a texel format", r.buffer.name()));
         }
         write.pTexelBufferView = &r.buffer.state()->texels;
         pass.use(r.buffer, shaderUse(shader.stage, Access::Read, VK_IMAGE_LAYOUT_UNDEFINED));
@@ -149,8 +161,9 @@ struct Resolver {
         write.pBufferInfo = &bufferInfos[i];
       }
       if (!fits) {
-        throw fail(shader, r.name, fmt::format("is {}, and {} is bound to it", kindName(b.kind),
-                                               r.image ? r.sampled ? "a sampled image" : "an image for storing" : "a buffer"));
+        throw fail(shader, r.name,
+                   fmt::format("is {}, and {} is bound to it", kindName(b.kind),
+                               r.image ? r.sampled ? "a sampled image" : "an image for storing" : "a buffer"));
       }
       writes.push_back(write);
     }
@@ -164,11 +177,12 @@ struct Resolver {
       std::string shaders;
       for (const auto& shader : pass.shaders) {
         shaders += (shaders.empty() ? "" : ", ") + shader->name;
-        for (const ShaderBinding& b : shader->reflection.bindings) known.insert(known.end(), b.names.begin(), b.names.end());
+        for (const ShaderBinding& b : shader->reflection.bindings)
+          known.insert(known.end(), b.names.begin(), b.names.end());
       }
       const std::string near = nearest(pass.bindings[i].name, known);
-      throw badInput(fmt::format("pass \"{}\", shader {}, binding \"{}\": the shader has no such binding{}", pass.name, shaders,
-                                 pass.bindings[i].name, near.empty() ? "" : "; is it \"" + near + "\"?"));
+      throw badInput(fmt::format("pass \"{}\", shader {}, binding \"{}\": the shader has no such binding{}", pass.name,
+                                 shaders, pass.bindings[i].name, near.empty() ? "" : "; is it \"" + near + "\"?"));
     }
   }
 
@@ -180,17 +194,19 @@ struct Resolver {
       }
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;
       const std::string near = nearest(name, known);
-      throw badInput(fmt::format("pass \"{}\", shader {}: no specialisation constant \"{}\"{}", pass.name, pass.shaders[0]->name, name,
-                                 near.empty() ? "" : "; is it \"" + near + "\"?"));
+      throw badInput(fmt::format("pass \"{}\", shader {}: no specialisation constant \"{}\"{}", pass.name,
+                                 pass.shaders[0]->name, name, near.empty() ? "" : "; is it \"" + near + "\"?"));
     }
     for (const auto& shader : pass.shaders) {
       const uint64_t bytes = shader->reflection.pushBytes;
-      const bool fits = pass.push.size() >= bytes && (bytes == 0 || pass.shaders.size() > 1 || pass.push.size() <= (bytes + 15) / 16 * 16);
+      const bool fits = pass.push.size() >= bytes &&
+                        (bytes == 0 || pass.shaders.size() > 1 || pass.push.size() <= (bytes + 15) / 16 * 16);
       if (fits || !shader->reflection.pushUsed) continue;
-      throw badInput(fmt::format("pass \"{}\", shader {}: push constants have {} bytes, and {} are given", pass.name, shader->name,
-                                 bytes, pass.push.size()));
+      throw badInput(fmt::format("pass \"{}\", shader {}: push constants have {} bytes, and {} are given", pass.name,
+                                 shader->name, bytes, pass.push.size()));
     }
-    const bool declared = std::any_of(pass.shaders.begin(), pass.shaders.end(), [](const auto& s) { return s->reflection.pushBytes > 0; });
+    const bool declared = std::any_of(pass.shaders.begin(), pass.shaders.end(),
+                                      [](const auto& s) { return s->reflection.pushBytes > 0; });
     if (!pass.push.empty() && !declared) {
       throw badInput(fmt::format("pass \"{}\", shader {}: it has no push constants", pass.name, pass.shaders[0]->name));
     }
@@ -226,7 +242,8 @@ void resolve(Pass& pass, PipelineCache& pipelines, BatchArena& arena, Device::Im
   PipelineRequest request;
   request.shaders = pass.shaders;
   request.constants = pass.constants;
-  request.dispatchBase = pass.kind == Pass::Kind::Compute && pass.size[0] > device.survey.properties.limits.maxComputeWorkGroupCount[0];
+  request.dispatchBase =
+      pass.kind == Pass::Kind::Compute && pass.size[0] > device.survey.properties.limits.maxComputeWorkGroupCount[0];
   for (const GpuImage& target : pass.targets.color) request.color.push_back(formatInfo(target.format()).vk);
   if (pass.targets.depth) request.depth = formatInfo(pass.targets.depth.format()).vk;
   bool created = false;
@@ -258,9 +275,11 @@ BatchArena::~BatchArena() {
 Buffer BatchArena::copy(const void* data, size_t bytes, uint64_t* offset) {
   const uint64_t alignment = device_->survey.properties.limits.minUniformBufferOffsetAlignment;
   uint64_t begin = (uniformUsed_ + alignment - 1) / alignment * alignment;
-  while (currentUniform_ < uniforms_.size() && begin + bytes > uniforms_[currentUniform_].size()) ++currentUniform_, begin = 0;
+  while (currentUniform_ < uniforms_.size() && begin + bytes > uniforms_[currentUniform_].size())
+    ++currentUniform_, begin = 0;
   if (currentUniform_ == uniforms_.size()) {
-    uniforms_.push_back(device_->makeBuffer("uniform blocks", std::max<uint64_t>(kUniformChunk, bytes), TexelFormat::None, MemoryUse::Upload));
+    uniforms_.push_back(device_->makeBuffer("uniform blocks", std::max<uint64_t>(kUniformChunk, bytes),
+                                            TexelFormat::None, MemoryUse::Upload));
     begin = 0;
   }
   const Buffer& buffer = uniforms_[currentUniform_];

@@ -14,7 +14,7 @@ namespace hl {
 
 struct BoundResource {
   std::string name;
-  Buffer buffer;     ///< or
+  Buffer buffer;  ///< or
   GpuImage image;
   Access access = Access::Read;
   bool sampled = false;
@@ -78,12 +78,13 @@ class BatchArena {
 };
 
 /// Checks a pass against its shaders and gives it pipeline, descriptor sets and uses.
-/// @throws Error(BadInput) naming pass, shader and binding; Error(Device) where a resource is larger than the device can bind.
+/// @throws Error(BadInput) naming pass, shader and binding; Error(Device) where a resource is larger than the device
+/// can bind.
 void resolve(Pass&, PipelineCache&, BatchArena&, Device::Impl&);
 
-
 struct FrameGraph::Impl {
-  Impl(Device& d, ShaderLibrary& s) : device(d.impl().shared_from_this()), shaders(s), pipelines(device), arena(device) {}
+  Impl(Device& d, ShaderLibrary& s)
+      : device(d.impl().shared_from_this()), shaders(s), pipelines(device), arena(device) {}
   ~Impl();
 
   Pass& add(Pass::Kind, const std::string& name);

@@ -45,11 +45,16 @@ VkPipelineShaderStageCreateInfo stageInfo(const Shader& shader, const Specializa
 
 VkDescriptorType descriptorType(BindingKind kind) {
   switch (kind) {
-    case BindingKind::StorageBuffer: return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    case BindingKind::UniformBlock: return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    case BindingKind::StorageImage: return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-    case BindingKind::SampledImage: return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    case BindingKind::TexelBuffer: return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    case BindingKind::StorageBuffer:
+      return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    case BindingKind::UniformBlock:
+      return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    case BindingKind::StorageImage:
+      return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case BindingKind::SampledImage:
+      return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    case BindingKind::TexelBuffer:
+      return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   }
   return VK_DESCRIPTOR_TYPE_MAX_ENUM;
 }
@@ -99,7 +104,9 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
   for (const auto& shader : request.shaders) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const ShaderBinding& b : shader->reflection.bindings) {
-      if (b.used) bindings.push_back({b.index, descriptorType(b.kind), 1, static_cast<VkShaderStageFlags>(shader->stage), nullptr});
+      if (b.used)
+        bindings.push_back(
+            {b.index, descriptorType(b.kind), 1, static_cast<VkShaderStageFlags>(shader->stage), nullptr});
     }
     VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     info.bindingCount = static_cast<uint32_t>(bindings.size());
@@ -130,7 +137,8 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
     check(vkCreateComputePipelines(device, cache_, 1, &info, nullptr, &pipeline->handle), pass);
   } else {
     const Specialization second(*request.shaders[1], request.constants);
-    const VkPipelineShaderStageCreateInfo stages[] = {stageInfo(*request.shaders[0], first), stageInfo(*request.shaders[1], second)};
+    const VkPipelineShaderStageCreateInfo stages[] = {stageInfo(*request.shaders[0], first),
+                                                      stageInfo(*request.shaders[1], second)};
     const VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
@@ -146,8 +154,8 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
     depth.depthTestEnable = depth.depthWriteEnable = request.depth == VK_FORMAT_UNDEFINED ? VK_FALSE : VK_TRUE;
     depth.depthCompareOp = VK_COMPARE_OP_GREATER;
     VkPipelineColorBlendAttachmentState attachment{};
-    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
-                                VK_COLOR_COMPONENT_A_BIT;
+    attachment.colorWriteMask =
+        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     const std::vector<VkPipelineColorBlendAttachmentState> attachments(request.color.size(), attachment);
     VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
     blend.attachmentCount = static_cast<uint32_t>(attachments.size());

@@ -31,12 +31,19 @@ PassStatistics statistics(const std::string& name, const char* where, const std:
 
 }  // namespace
 
+double BatchTimings::unaccounted() const {
+  double sum = 0;
+  for (const PassTiming& p : passes) sum += p.ms;
+  return wallMs > 0 ? 1 - sum / wallMs : 0;
+}
+
 void Profiler::add(const BatchTimings& batch) {
   ++frames_;
   // A name that occurs more than once in a batch is one pass with the sum of their times.
   order_.clear();
   for (const PassTiming& timing : batch.passes) {
-    const auto known = std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == timing.name; });
+    const auto known =
+        std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == timing.name; });
     if (known == order_.end()) {
       order_.push_back(timing);
     } else {
@@ -59,6 +66,8 @@ void Profiler::add(const BatchTimings& batch) {
   if (warmUp) return;
   wall_.push_back(batch.wallMs);
   if (wall_.size() > window_) wall_.pop_front();
+  unaccounted_.push_back(batch.unaccounted());
+  if (unaccounted_.size() > window_) unaccounted_.pop_front();
 }
 
 void Profiler::clear() {
@@ -67,18 +76,22 @@ void Profiler::clear() {
   history_.clear();
   seen_.clear();
   wall_.clear();
+  unaccounted_.clear();
 }
 
 std::vector<PassStatistics> Profiler::passes() const {
   std::vector<PassStatistics> all;
   for (const PassTiming& timing : order_) {
     const auto samples = history_.find(timing.name);
-    PassStatistics s = statistics(timing.name, timing.host ? "host" : "gpu", samples == history_.end() ? std::deque<double>() : samples->second);
+    PassStatistics s = statistics(timing.name, timing.host ? "host" : "gpu",
+                                  samples == history_.end() ? std::deque<double>() : samples->second);
     s.skipped = timing.skipped;
     all.push_back(std::move(s));
   }
   return all;
 }
+
+double Profiler::unaccounted() const { return statistics("", "", unaccounted_).medianMs; }
 
 PassStatistics Profiler::frame() const { return statistics("frame", "gpu", wall_); }
 

@@ -50,7 +50,8 @@ struct Reflector {
   }
   uint64_t blockBytes(const spvc_reflected_resource& r) const {
     size_t size = 0;
-    require(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, r.base_type_id), &size),
+    require(spvc_compiler_get_declared_struct_size(compiler, spvc_compiler_get_type_handle(compiler, r.base_type_id),
+                                                   &size),
             "block size");
     return size;
   }
@@ -82,7 +83,8 @@ struct Reflector {
       if (kind == BindingKind::UniformBlock) b.blockBytes = blockBytes(r);
       const spvc_type handle = spvc_compiler_get_type_handle(compiler, r.type_id);
       if (spvc_type_get_num_array_dimensions(handle) != 0) {
-        throw badInput(fmt::format("shader {}, binding \"{}\": arrays of bindings are not supported", shader, b.names.front()));
+        throw badInput(
+            fmt::format("shader {}, binding \"{}\": arrays of bindings are not supported", shader, b.names.front()));
       }
       if (!block) {
         b.arrayed = spvc_type_get_image_arrayed(handle) == SPVC_TRUE;
@@ -90,11 +92,12 @@ struct Reflector {
         if (dim == SpvDimBuffer && kind != BindingKind::StorageImage) {
           b.kind = BindingKind::TexelBuffer;
         } else if (dim != SpvDim2D || type == SPVC_RESOURCE_TYPE_SEPARATE_IMAGE) {
-          throw badInput(fmt::format("shader {}, binding \"{}\": only 2D images, 2D arrays and uniform texel buffers are bound", shader,
-                                     b.names.front()));
+          throw badInput(
+              fmt::format("shader {}, binding \"{}\": only 2D images, 2D arrays and uniform texel buffers are bound",
+                          shader, b.names.front()));
         }
-        const spvc_basetype texel = spvc_type_get_basetype(
-            spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(handle)));
+        const spvc_basetype texel =
+            spvc_type_get_basetype(spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(handle)));
         b.integer = texel == SPVC_BASETYPE_UINT32 || texel == SPVC_BASETYPE_INT32;
       }
       b.index = static_cast<uint32_t>(result.bindings.size());
@@ -118,12 +121,14 @@ struct Reflector {
 
     const spvc_reflected_resource* push = nullptr;
     size_t count = 0;
-    require(spvc_resources_get_resource_list_for_type(all, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &push, &count), "push constants");
+    require(spvc_resources_get_resource_list_for_type(all, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &push, &count),
+            "push constants");
     for (size_t i = 0; i < count; ++i) {
       namesOf(push[i], true);
       result.pushBytes = std::max(result.pushBytes, blockBytes(push[i]));
     }
-    require(spvc_resources_get_resource_list_for_type(active, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &push, &count), "push constants");
+    require(spvc_resources_get_resource_list_for_type(active, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &push, &count),
+            "push constants");
     result.pushUsed = count > 0;
 
     const spvc_specialization_constant* constants = nullptr;
@@ -139,7 +144,8 @@ struct Reflector {
       result.groupSize[i] = spvc_compiler_get_execution_mode_argument_by_index(compiler, SpvExecutionModeLocalSize, i);
       if (size[i].id != 0) {
         result.groupSizeConstant[i] = names[size[i].id];
-        result.groupSize[i] = spvc_constant_get_scalar_u32(spvc_compiler_get_constant_handle(compiler, size[i].id), 0, 0);
+        result.groupSize[i] =
+            spvc_constant_get_scalar_u32(spvc_compiler_get_constant_handle(compiler, size[i].id), 0, 0);
       }
       result.groupSize[i] = std::max(result.groupSize[i], 1u);
     }
@@ -150,11 +156,16 @@ struct Reflector {
 
 const char* kindName(BindingKind kind) {
   switch (kind) {
-    case BindingKind::StorageBuffer: return "a storage buffer";
-    case BindingKind::UniformBlock: return "a uniform block";
-    case BindingKind::StorageImage: return "a storage image";
-    case BindingKind::SampledImage: return "a sampled image";
-    case BindingKind::TexelBuffer: return "a texel buffer";
+    case BindingKind::StorageBuffer:
+      return "a storage buffer";
+    case BindingKind::UniformBlock:
+      return "a uniform block";
+    case BindingKind::StorageImage:
+      return "a storage image";
+    case BindingKind::SampledImage:
+      return "a sampled image";
+    case BindingKind::TexelBuffer:
+      return "a texel buffer";
   }
   return "";
 }

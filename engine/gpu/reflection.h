@@ -16,10 +16,10 @@ const char* kindName(BindingKind);
 struct ShaderBinding {
   std::vector<std::string> names;  ///< what it answers to: variable, block, sole member; the first is for messages
   BindingKind kind = BindingKind::StorageBuffer;
-  uint32_t index = 0;              ///< binding number in the patched code
-  bool used = false;               ///< reached from main
+  uint32_t index = 0;  ///< binding number in the patched code
+  bool used = false;   ///< reached from main
   bool arrayed = false, integer = false;
-  uint64_t blockBytes = 0;         ///< of uniform blocks
+  uint64_t blockBytes = 0;  ///< of uniform blocks
   bool answersTo(const std::string& name) const;
 };
 
@@ -33,7 +33,8 @@ struct ShaderReflection {
   bool pushUsed = false;
 };
 
-/// Binding numbers that sources chose are replaced by consecutive ones in descriptor set `set`, so that sources need not agree on any.
+/// Binding numbers that sources chose are replaced by consecutive ones in descriptor set `set`, so that sources need
+/// not agree on any.
 /// @throws Error(BadInput) naming the shader, for what the engine does not bind.
 ShaderReflection reflectAndRenumber(const std::string& shader, std::vector<uint32_t>& words, uint32_t set);
 

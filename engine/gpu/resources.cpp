@@ -26,8 +26,8 @@ const FormatInfo& formatInfo(Format format) {
 Buffer Device::Impl::makeBuffer(const std::string& name, uint64_t bytes, TexelFormat texels, MemoryUse use) {
   if (bytes == 0) throw badInput(fmt::format("buffer \"{}\": a size of 0 bytes", name));
   if (bytes > survey.maxBufferSize) {
-    throw Error(ErrorKind::Device, fmt::format("buffer \"{}\": {} bytes, and {} takes at most {} in one buffer", name, bytes,
-                                               survey.info.name, survey.maxBufferSize));
+    throw Error(ErrorKind::Device, fmt::format("buffer \"{}\": {} bytes, and {} takes at most {} in one buffer", name,
+                                               bytes, survey.info.name, survey.maxBufferSize));
   }
   auto state = std::make_shared<BufferState>();
   state->device = shared_from_this();
@@ -36,8 +36,9 @@ Buffer Device::Impl::makeBuffer(const std::string& name, uint64_t bytes, TexelFo
 
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = bytes;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+               VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (texels != TexelFormat::None) info.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
   const std::string what = fmt::format("buffer \"{}\" of {} bytes", name, bytes);
   check(vkCreateBuffer(device, &info, nullptr, &state->handle), what);
@@ -72,8 +73,9 @@ GpuImage Device::Impl::makeImage(const std::string& name, const ImageDesc& desc)
   if (desc.width < 1 || desc.height < 1 || desc.layers < 1 || desc.mips < 1) throw badInput(what + ": an empty image");
   if (static_cast<uint32_t>(std::max(desc.width, desc.height)) > limits.maxImageDimension2D ||
       static_cast<uint32_t>(desc.layers) > limits.maxImageArrayLayers) {
-    throw Error(ErrorKind::Device, fmt::format("{}: {} takes at most {} texels a side and {} layers", what, survey.info.name,
-                                               limits.maxImageDimension2D, limits.maxImageArrayLayers));
+    throw Error(ErrorKind::Device,
+                fmt::format("{}: {} takes at most {} texels a side and {} layers", what, survey.info.name,
+                            limits.maxImageDimension2D, limits.maxImageArrayLayers));
   }
   auto state = std::make_shared<ImageState>();
   state->device = shared_from_this();
@@ -91,7 +93,8 @@ GpuImage Device::Impl::makeImage(const std::string& name, const ImageDesc& desc)
       {VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT},
   };
   for (const auto& [feature, flag] : wanted) {
-    if ((features.optimalTilingFeatures & feature) != 0 && !(depth && flag == VK_IMAGE_USAGE_STORAGE_BIT)) usage |= flag;
+    if ((features.optimalTilingFeatures & feature) != 0 && !(depth && flag == VK_IMAGE_USAGE_STORAGE_BIT))
+      usage |= flag;
   }
   state->usage = usage;
   state->filterable = (features.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT) != 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Buffers and images on the device: movable handles that free themselves. Vulkan's own types appear as opaque handles, so that users of the
-// engine need no Vulkan header.
+// Buffers and images on the device: movable handles that free themselves. Vulkan's own types appear as opaque handles,
+// so that users of the engine need no Vulkan header.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,7 +14,8 @@ class Device;
 struct BufferState;  // what the device keeps about a buffer: handle, memory, mapping, last access
 struct ImageState;
 
-/// A buffer; copies of the handle share it. Usage is always storage + uniform + transfer + indirect (+ texel where a texel format is given).
+/// A buffer; copies of the handle share it. Usage is always storage + uniform + transfer + indirect (+ texel where a
+/// texel format is given).
 class Buffer {
  public:
   Buffer() = default;
@@ -30,7 +31,8 @@ class Buffer {
 
 enum class Format { R32F, RG32F, RGBA32F, RGBA16F, RGBA8, R32U, RG32U, RGBA32U, D32F };
 
-/// A 2D image (or array) with one mip level unless said otherwise; storage + sampled + transfer, and attachment where the format allows.
+/// A 2D image (or array) with one mip level unless said otherwise; storage + sampled + transfer, and attachment where
+/// the format allows.
 class GpuImage {
  public:
   GpuImage() = default;
@@ -49,7 +51,7 @@ class GpuImage {
 struct ImageDesc {
   int width = 1, height = 1;
   Format format = Format::RGBA32F;
-  int layers = 1;   ///< > 1: a 2D-array view
+  int layers = 1;  ///< > 1: a 2D-array view
   int mips = 1;
   bool operator==(const ImageDesc&) const = default;
 };

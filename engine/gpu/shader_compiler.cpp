@@ -84,7 +84,8 @@ CompiledShader compileShader(const fs::path& source, const fs::path& root) {
   shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_6);
   shader.setAutoMapBindings(true);
   Includer includer(root);
-  if (!shader.parse(GetDefaultResources(), 460, false, rules, includer)) return {{}, readable(shader.getInfoLog(), file)};
+  if (!shader.parse(GetDefaultResources(), 460, false, rules, includer))
+    return {{}, readable(shader.getInfoLog(), file)};
 
   glslang::TProgram program;
   program.addShader(&shader);

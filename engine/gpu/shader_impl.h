@@ -30,9 +30,9 @@ struct ShaderLibrary::Impl {
 
   struct Entry {
     std::shared_ptr<const Shader> shader;
-    std::filesystem::path source;  ///< empty where there is none
+    std::filesystem::path source;                                             ///< empty where there is none
     std::vector<std::pair<std::filesystem::path, std::string>> dependencies;  ///< as compiled
-    bool stale = false;            ///< the build's SPIR-V is older than its source
+    bool stale = false;  ///< the build's SPIR-V is older than its source
   };
   std::shared_ptr<Device::Impl> device;
   std::map<std::string, Entry> entries;

@@ -44,7 +44,8 @@ std::vector<uint32_t> loadWords(const std::string& name) {
                                near.empty() ? "" : "; is it " + near + "?"));
   }
   const std::string bytes = readFile(file);
-  if (bytes.empty() || bytes.size() % 4 != 0) throw badInput(fmt::format("shader {}: {} is cut off", name, file.string()));
+  if (bytes.empty() || bytes.size() % 4 != 0)
+    throw badInput(fmt::format("shader {}: {} is cut off", name, file.string()));
   std::vector<uint32_t> words(bytes.size() / 4);
   std::memcpy(words.data(), bytes.data(), bytes.size());
   return words;
@@ -123,7 +124,8 @@ std::vector<BlockMember> ShaderLibrary::reflectBlock(const std::string& shader, 
   std::vector<std::string> names;
   for (const auto& [name, members] : blocks) names.push_back(name);
   const std::string near = nearest(block, names);
-  throw badInput(fmt::format("shader {}: no block \"{}\"{}", shader, block, near.empty() ? "" : "; is it \"" + near + "\"?"));
+  throw badInput(
+      fmt::format("shader {}: no block \"{}\"{}", shader, block, near.empty() ? "" : "; is it \"" + near + "\"?"));
 }
 
 }  // namespace hl

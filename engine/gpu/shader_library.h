@@ -1,5 +1,6 @@
 #pragma once
-// Shaders by name ("radiosity/gather.comp"): compiled by the build, reflected for their bindings, compiled again in process when their source changes.
+// Shaders by name ("radiosity/gather.comp"): compiled by the build, reflected for their bindings, compiled again in
+// process when their source changes.
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,7 +11,8 @@ namespace hl {
 
 struct ReloadReport {
   std::vector<std::string> reloaded;
-  std::vector<std::string> errors;  ///< one a shader that did not compile: file, line, message; the old one stays in use
+  std::vector<std::string>
+      errors;  ///< one a shader that did not compile: file, line, message; the old one stays in use
 };
 
 /// A block's members as the compiled shader has them, for checks against the C++ side.
@@ -25,7 +27,8 @@ class ShaderLibrary {
   ~ShaderLibrary();
   /// Recompiles shaders whose source, or anything it includes, changed on disk since it was last compiled.
   ReloadReport reload();
-  /// Members of uniform block or push-constant block `block` of the shader. @throws Error(BadInput) naming shader and block.
+  /// Members of uniform block or push-constant block `block` of the shader. @throws Error(BadInput) naming shader and
+  /// block.
   std::vector<BlockMember> reflectBlock(const std::string& shader, const std::string& block);
   struct Impl;
   Impl& impl() const { return *impl_; }

@@ -13,16 +13,18 @@ namespace {
 
 constexpr uint64_t kStagingBytes = 16ull << 20;
 constexpr ResourceUse kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, 0, VK_IMAGE_LAYOUT_UNDEFINED};
-constexpr ResourceUse kHostWrite{VK_PIPELINE_STAGE_2_HOST_BIT, 0, VK_ACCESS_2_HOST_WRITE_BIT, VK_IMAGE_LAYOUT_UNDEFINED};
+constexpr ResourceUse kHostWrite{VK_PIPELINE_STAGE_2_HOST_BIT, 0, VK_ACCESS_2_HOST_WRITE_BIT,
+                                 VK_IMAGE_LAYOUT_UNDEFINED};
 
 void checkRange(const Buffer& b, uint64_t bytes, uint64_t offset, const char* verb) {
   if (offset + bytes > b.size()) {
-    throw badInput(fmt::format("{} of {} bytes at {} in buffer \"{}\" of {} bytes", verb, bytes, offset, b.name(), b.size()));
+    throw badInput(
+        fmt::format("{} of {} bytes at {} in buffer \"{}\" of {} bytes", verb, bytes, offset, b.name(), b.size()));
   }
 }
 
-/// Whether the device has yet to finish with the buffer in a way that the host must wait on. A graph waits for what it submits, so
-/// only the caches matter: reads by the host after device writes.
+/// Whether the device has yet to finish with the buffer in a way that the host must wait on. A graph waits for what it
+/// submits, so only the caches matter: reads by the host after device writes.
 bool deviceWrote(const ResourceHistory& h) {
   return h.writeStages != 0 && (h.visibleStages & VK_PIPELINE_STAGE_2_HOST_BIT) == 0 &&
          h.writeStages != VK_PIPELINE_STAGE_2_HOST_BIT;
@@ -43,7 +45,8 @@ std::vector<char> rawTexels(Device::Impl& impl, ImageState& image) {
   impl.once([&](VkCommandBuffer commands) {
     transition(commands, image, kImageTransferRead);
     const VkBufferImageCopy region = layerCopy(image, 0);
-    vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.state()->handle, 1, &region);
+    vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.state()->handle, 1,
+                           &region);
     staging.state()->history = {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, 0, 0,
                                 VK_IMAGE_LAYOUT_UNDEFINED};
     transition(commands, *staging.state(), kHostRead);
@@ -109,8 +112,8 @@ void Device::upload(const GpuImage& image, int layer, const void* data, uint64_t
   const uint64_t wanted = texels * static_cast<uint64_t>(format.bytes);
   const bool widen = state.desc.format == Format::RGBA16F && bytes == texels * 16;
   if ((bytes != wanted && !widen) || layer < 0 || layer >= state.desc.layers) {
-    throw badInput(fmt::format("upload of {} bytes to layer {} of image \"{}\": it has {} layers of {} bytes", bytes, layer,
-                               image.name(), state.desc.layers, wanted));
+    throw badInput(fmt::format("upload of {} bytes to layer {} of image \"{}\": it has {} layers of {} bytes", bytes,
+                               layer, image.name(), state.desc.layers, wanted));
   }
   const Buffer staging = impl_->makeBuffer("staging of " + state.name, wanted, TexelFormat::None, MemoryUse::Upload);
   if (widen) {
@@ -123,7 +126,8 @@ void Device::upload(const GpuImage& image, int layer, const void* data, uint64_t
   impl_->once([&](VkCommandBuffer commands) {
     transition(commands, state, kImageTransferWrite);
     const VkBufferImageCopy region = layerCopy(state, layer);
-    vkCmdCopyBufferToImage(commands, staging.state()->handle, state.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    vkCmdCopyBufferToImage(commands, staging.state()->handle, state.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &region);
   });
 }
 
@@ -164,14 +168,16 @@ void Device::generateMips(const GpuImage& image) {
 void Device::download(const GpuImage& image, void* data, uint64_t bytes) {
   const std::vector<char> raw = rawTexels(*impl_, *image.state());
   if (bytes != raw.size()) {
-    throw badInput(fmt::format("download of {} bytes from image \"{}\", which has {}", bytes, image.name(), raw.size()));
+    throw badInput(
+        fmt::format("download of {} bytes from image \"{}\", which has {}", bytes, image.name(), raw.size()));
   }
   std::memcpy(data, raw.data(), bytes);
 }
 
 Image Device::download(const GpuImage& image) {
   const FormatInfo& format = formatInfo(image.format());
-  if (!format.floating) throw badInput(fmt::format("image \"{}\" is {}, not a float format", image.name(), format.name));
+  if (!format.floating)
+    throw badInput(fmt::format("image \"{}\" is {}, not a float format", image.name(), format.name));
   const std::vector<char> raw = rawTexels(*impl_, *image.state());
   Image out(image.width(), image.height(), format.channels);
   if (image.format() == Format::RGBA16F) {

@@ -6,19 +6,32 @@ namespace hl {
 
 std::string resultName(VkResult result) {
   switch (result) {
-    case VK_ERROR_DEVICE_LOST: return "the device was lost";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialisation failed";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "a layer is not installed";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "an extension is not supported";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "a feature is not supported";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "no compatible driver";
-    case VK_ERROR_TOO_MANY_OBJECTS: return "too many objects";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED: return "the format is not supported";
-    case VK_ERROR_FRAGMENTED_POOL: return "a pool is fragmented";
-    case VK_ERROR_OUT_OF_POOL_MEMORY: return "out of pool memory";
-    default: return "Vulkan result " + std::to_string(static_cast<int>(result));
+    case VK_ERROR_DEVICE_LOST:
+      return "the device was lost";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialisation failed";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "a layer is not installed";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "an extension is not supported";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "a feature is not supported";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no compatible driver";
+    case VK_ERROR_TOO_MANY_OBJECTS:
+      return "too many objects";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+      return "the format is not supported";
+    case VK_ERROR_FRAGMENTED_POOL:
+      return "a pool is fragmented";
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+      return "out of pool memory";
+    default:
+      return "Vulkan result " + std::to_string(static_cast<int>(result));
   }
 }
 

@@ -21,9 +21,12 @@ struct ToneMapConstants {
 
 uint32_t curveOf(ToneMap t) {
   switch (t) {
-    case ToneMap::Linear: return shared::kToneMapLinear;
-    case ToneMap::Aces: return shared::kToneMapAces;
-    case ToneMap::Reinhard: return shared::kToneMapReinhard;
+    case ToneMap::Linear:
+      return shared::kToneMapLinear;
+    case ToneMap::Aces:
+      return shared::kToneMapAces;
+    case ToneMap::Reinhard:
+      return shared::kToneMapReinhard;
   }
   return shared::kToneMapLinear;
 }
@@ -31,16 +34,22 @@ uint32_t curveOf(ToneMap t) {
 uint32_t channelsOf(Format f) {
   switch (f) {
     case Format::R32F:
-    case Format::D32F: return 1;
-    case Format::RG32F: return 2;
+    case Format::D32F:
+      return 1;
+    case Format::RG32F:
+      return 2;
     case Format::RGBA32F:
     case Format::RGBA16F:
-    case Format::RGBA8: return 4;
-    default: throw badInput("tone map: an image of whole numbers cannot be shown");
+    case Format::RGBA8:
+      return 4;
+    default:
+      throw badInput("tone map: an image of whole numbers cannot be shown");
   }
 }
 
-unsigned char byteOf(float display) { return static_cast<unsigned char>(std::lround(std::clamp(display, 0.0f, 1.0f) * 255.0f)); }
+unsigned char byteOf(float display) {
+  return static_cast<unsigned char>(std::lround(std::clamp(display, 0.0f, 1.0f) * 255.0f));
+}
 
 void store(unsigned char* to, vec3 display) {
   for (int i = 0; i < 3; ++i) to[i] = byteOf(display[i]);
@@ -86,7 +95,8 @@ const std::vector<ViewInfo>& displayViews() {
   return views;
 }
 
-GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& direct, const GpuImage& indirect, vec3 sky) {
+GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& direct, const GpuImage& indirect,
+                         vec3 sky) {
   // Two composites of one frame (the picture, and indirect light alone to look at) are two images.
   const char* name = direct ? "composite" : "composite: indirect";
   const GpuImage radiance = graph.transient(name, {g.width, g.height, Format::RGBA32F});
@@ -105,8 +115,8 @@ GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& di
   return radiance;
 }
 
-GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display& display, bool sceneReferred, int width, int height,
-                       const Buffer& counters) {
+GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display& display, bool sceneReferred, int width,
+                       int height, const Buffer& counters) {
   const GpuImage shown = graph.transient("display", {width, height, Format::RGBA8});
   graph.clear("tone map: clear counters", counters, 0);
   if (!source) {
@@ -116,7 +126,8 @@ GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display&
   Mode mode = sceneReferred ? kRadiance : kColour;
   if (!sceneReferred && display.view == "normal") mode = kDirection;
   if (!sceneReferred && display.view == "position") mode = kPlace;
-  const ToneMapConstants constants{std::exp2(display.exposure), curveOf(display.toneMap), display.showInvalid ? 1u : 0u};
+  const ToneMapConstants constants{std::exp2(display.exposure), curveOf(display.toneMap),
+                                   display.showInvalid ? 1u : 0u};
   graph.compute("tone map", "passes/tone_map.comp")
       .sample("source", source)
       .bind("display", shown, Access::Write)

@@ -18,18 +18,22 @@ struct Display {
   bool operator==(const Display&) const = default;
 };
 
-/// final, indirect (irradiance times albedo / pi), indirect_irradiance, direct, albedo, normal, position, emission, error, reference ...
+/// final, indirect (irradiance times albedo / pi), indirect_irradiance, direct, albedo, normal, position, emission,
+/// error, reference ...
 struct ViewInfo {
   std::string id, label;
 };
 const std::vector<ViewInfo>& displayViews();
 
 /// Radiance towards the camera: emission + (direct + indirect) albedo / pi, or the sky. RGBA32F. Pass "composite".
-/// Without `direct` it is the indirect light alone: no emission, no sky; pass "composite: indirect". Either image may be empty.
+/// Without `direct` it is the indirect light alone: no emission, no sky; pass "composite: indirect". Either image may
+/// be empty.
 GpuImage recordComposite(FrameGraph&, const GBuffer&, const GpuImage& direct, const GpuImage& indirect, vec3 sky);
-/// Display-referred RGBA8 of `source` (float or RGBA8; empty: black), stretched to the frame. Pass "tone map". Counts pixels that are not finite, and
-/// pixels with a negative channel (of radiance and colours), into `counters` (2 uints, set to 0 first).
-GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool sceneReferred, int width, int height, const Buffer& counters);
+/// Display-referred RGBA8 of `source` (float or RGBA8; empty: black), stretched to the frame. Pass "tone map". Counts
+/// pixels that are not finite, and pixels with a negative channel (of radiance and colours), into `counters` (2 uints,
+/// set to 0 first).
+GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool sceneReferred, int width, int height,
+                       const Buffer& counters);
 /// The same tone map on the host, for images (reference, error maps). RGBA8 rows from the top.
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display&);
 /// Error map in false colours (viridis), from 0 to `scale`. RGBA8.

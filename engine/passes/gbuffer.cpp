@@ -5,8 +5,8 @@
 namespace hl {
 namespace {
 
-/// Nothing nearer to the camera than this share of the distance to its target is drawn. Reversed floating-point depth loses nothing to so
-/// near a plane.
+/// Nothing nearer to the camera than this share of the distance to its target is drawn. Reversed floating-point depth
+/// loses nothing to so near a plane.
 constexpr float kNearShare = 1e-5f;
 
 /// As gbuffer.glsl declares it.
@@ -27,7 +27,8 @@ CameraBasis cameraBasis(const Camera& camera, float aspect) {
   b.forward = distance > 0 ? towards / distance : vec3(0, 0, -1);
   vec3 right = glm::cross(b.forward, camera.up);
   // Looking along `up`, any direction across will do.
-  if (glm::dot(right, right) < 1e-12f) right = glm::cross(b.forward, std::abs(b.forward.x) < 0.5f ? vec3(1, 0, 0) : vec3(0, 0, 1));
+  if (glm::dot(right, right) < 1e-12f)
+    right = glm::cross(b.forward, std::abs(b.forward.x) < 0.5f ? vec3(1, 0, 0) : vec3(0, 0, 1));
   right = glm::normalize(right);
   const float half = std::tan(0.5f * camera.verticalFov);
   b.right = half * aspect * right;
@@ -37,7 +38,8 @@ CameraBasis cameraBasis(const Camera& camera, float aspect) {
 }
 
 vec3 pixelDirection(const CameraBasis& b, float x, float y, int width, int height) {
-  return b.forward + (2 * x / static_cast<float>(width) - 1) * b.right + (2 * y / static_cast<float>(height) - 1) * b.down;
+  return b.forward + (2 * x / static_cast<float>(width) - 1) * b.right +
+         (2 * y / static_cast<float>(height) - 1) * b.down;
 }
 
 mat4 cameraMatrix(const Camera& camera, float aspect) {
@@ -46,7 +48,8 @@ mat4 cameraMatrix(const Camera& camera, float aspect) {
   mat4 m(0.0f);
   // Rows: x, y, z and w of clip space; GLM stores columns.
   const vec3 rows[] = {right, down, vec3(0), b.forward};
-  const float constants[] = {-glm::dot(right, b.origin), -glm::dot(down, b.origin), b.nearPlane, -glm::dot(b.forward, b.origin)};
+  const float constants[] = {-glm::dot(right, b.origin), -glm::dot(down, b.origin), b.nearPlane,
+                             -glm::dot(b.forward, b.origin)};
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 3; ++column) m[column][row] = rows[row][column];
     m[3][row] = constants[row];
@@ -54,7 +57,8 @@ mat4 cameraMatrix(const Camera& camera, float aspect) {
   return m;
 }
 
-GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& cornerUvs, const Camera& camera, int width, int height) {
+GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& cornerUvs, const Camera& camera,
+                      int width, int height) {
   const auto image = [&](const char* name, Format format) { return graph.transient(name, {width, height, format}); };
   GBuffer g;
   g.width = width, g.height = height;
@@ -67,10 +71,15 @@ GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& co
 
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const CameraBasis basis = cameraBasis(camera, aspect);
-  const CameraConstants constants{cameraMatrix(camera, aspect), basis.origin, basis.forward, basis.right, basis.down,
+  const CameraConstants constants{cameraMatrix(camera, aspect),
+                                  basis.origin,
+                                  basis.forward,
+                                  basis.right,
+                                  basis.down,
                                   vec2(static_cast<float>(width), static_cast<float>(height))};
-  graph.raster("gbuffer: visibility", "passes/visibility.vert", "passes/visibility.frag",
-               {{g.ids}, image("gbuffer.depth", Format::D32F)})
+  graph
+      .raster("gbuffer: visibility", "passes/visibility.vert", "passes/visibility.frag",
+              {{g.ids}, image("gbuffer.depth", Format::D32F)})
       .bind("positions", scene.positions, Access::Read)
       .bind("uvs", scene.uvs, Access::Read)
       .bind("indices", scene.indices, Access::Read)
@@ -80,8 +89,9 @@ GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& co
       .specialize("kAlphaTested", scene.features.alphaTested ? 1 : 0)
       .push(constants)
       .draw(3 * scene.triangleCount);
-  graph.raster("gbuffer: surfaces", "passes/surfaces.vert", "passes/surfaces.frag",
-               {{g.position, g.normal, g.geometricNormal, g.albedo, g.emission}, GpuImage()})
+  graph
+      .raster("gbuffer: surfaces", "passes/surfaces.vert", "passes/surfaces.frag",
+              {{g.position, g.normal, g.geometricNormal, g.albedo, g.emission}, GpuImage()})
       .bind("positions", scene.positions, Access::Read)
       .bind("normals", scene.normals, Access::Read)
       .bind("uvs", scene.uvs, Access::Read)

@@ -8,8 +8,8 @@ namespace hl {
 
 /// All of frame size, zero where there is no surface. Normals are unit and turned towards the camera.
 struct GBuffer {
-  GpuImage position;         ///< RGBA32F: world position; w: 1 front face, -1 back face, 0 no surface
-  GpuImage normal;           ///< RGBA32F: mapped normal (equal to the smooth normal without a normal map); w: lightmap u
+  GpuImage position;  ///< RGBA32F: world position; w: 1 front face, -1 back face, 0 no surface
+  GpuImage normal;    ///< RGBA32F: mapped normal (equal to the smooth normal without a normal map); w: lightmap u
   GpuImage geometricNormal;  ///< RGBA32F: triangle's normal; w: lightmap v
   GpuImage albedo;           ///< RGBA32F: 0 on the back of a one-sided material
   GpuImage emission;         ///< RGBA32F (16 bits would overflow at 65504): radiance towards the camera
@@ -17,10 +17,12 @@ struct GBuffer {
   int width = 0, height = 0;
 };
 
-/// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there). `cornerUvs`: lightmap UVs, vec2 a triangle's corner, or empty where there is no lightmap.
+/// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there). `cornerUvs`: lightmap UVs,
+/// vec2 a triangle's corner, or empty where there is no lightmap.
 GBuffer recordGBuffer(FrameGraph&, const GpuScene&, const Buffer& cornerUvs, const Camera&, int width, int height);
 
-/// A camera as rays: those through the image reach from the origin along forward + x right + y down, with x and y in [-1, 1].
+/// A camera as rays: those through the image reach from the origin along forward + x right + y down, with x and y in
+/// [-1, 1].
 struct CameraBasis {
   vec3 origin{0.0f}, forward{0, 0, -1};  ///< forward: unit
   vec3 right{1, 0, 0}, down{0, -1, 0};   ///< half of the image plane's sides at distance 1

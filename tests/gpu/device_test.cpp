@@ -70,7 +70,11 @@ TEST(DeviceValidation, IsTurnedOnByTheEnvironment) {
   } push;
   // A race that only synchronisation validation sees.
   graph.clear("fill", a, 1);
-  graph.compute("add", "tests/add.comp").bind("source", a, Access::Read).bind("target", b, Access::Write).push(push).dispatchThreads(16);
+  graph.compute("add", "tests/add.comp")
+      .bind("source", a, Access::Read)
+      .bind("target", b, Access::Write)
+      .push(push)
+      .dispatchThreads(16);
   graph.omitBarriersBefore("add");
   graph.execute();
   EXPECT_GT(device.validationMessages(), 0u);
@@ -81,7 +85,8 @@ class CopyTest : public test::GpuTest, public ::testing::WithParamInterface<bool
  protected:
   void SetUp() override { open(GetParam()); }
 };
-INSTANTIATE_TEST_SUITE_P(Memory, CopyTest, ::testing::Bool(), [](const auto& i) { return i.param ? "Staged" : "AsTheDeviceHasIt"; });
+INSTANTIATE_TEST_SUITE_P(Memory, CopyTest, ::testing::Bool(),
+                         [](const auto& i) { return i.param ? "Staged" : "AsTheDeviceHasIt"; });
 
 TEST_P(CopyTest, BuffersComeBackAsTheyWent) {
   // Larger than one piece of staging, and odd.
@@ -128,7 +133,8 @@ TEST_F(DeviceTest, MipsAreMeansOfWhatLiesAboveThem) {
   // 4x4 with one white texel in each quarter: the second level is 63.75 everywhere, and so is the third.
   const GpuImage image = device->image("mips", {4, 4, Format::RGBA8, 2, 3});
   std::vector<uint8_t> texels(64, 0);
-  for (const size_t t : {0u, 3u, 9u, 14u}) std::fill_n(texels.begin() + static_cast<std::ptrdiff_t>(t * 4), 4, uint8_t{255});
+  for (const size_t t : {0u, 3u, 9u, 14u})
+    std::fill_n(texels.begin() + static_cast<std::ptrdiff_t>(t * 4), 4, uint8_t{255});
   device->upload(image, 0, texels.data(), 64);
   device->upload(image, 1, texels.data(), 64);
   device->generateMips(image);
@@ -136,7 +142,10 @@ TEST_F(DeviceTest, MipsAreMeansOfWhatLiesAboveThem) {
   device->download(image, back.data(), 64);
   EXPECT_EQ(back, texels);
   const GpuImage result = device->image("levels", {2, 1, Format::RGBA32F});
-  graph->compute("read levels", "tests/levels.comp").sample("layers", image).bind("result", result, Access::Write).dispatch(1);
+  graph->compute("read levels", "tests/levels.comp")
+      .sample("layers", image)
+      .bind("result", result, Access::Write)
+      .dispatch(1);
   graph->execute();
   const Image levels = device->download(result);
   EXPECT_NEAR(levels.pixel(0, 0)[0] * 255, 63.75f, 1.0f);
@@ -150,21 +159,29 @@ TEST_F(DeviceTest, ExhaustedMemoryIsAnErrorThatNamesTheBuffer) {
     for (int i = 0; i < 4096; ++i) hog.push_back(device->buffer("hog " + std::to_string(i), 512ull << 20));
   });
   EXPECT_EQ(e.kind(), ErrorKind::Device);
-  EXPECT_NE(std::string(e.what()).find("\"hog " + std::to_string(hog.size()) + "\" of 536870912 bytes"), std::string::npos) << e.what();
+  EXPECT_NE(std::string(e.what()).find("\"hog " + std::to_string(hog.size()) + "\" of 536870912 bytes"),
+            std::string::npos)
+      << e.what();
   EXPECT_EQ(device->bytesAllocated(), before + (hog.size() * 512ull << 20));
   hog.clear();
   EXPECT_EQ(device->bytesAllocated(), before);
   // What was given back can be had again.
-  EXPECT_EQ(download<uint32_t>(device->buffer("after", std::span<const uint32_t>(test::counting(100)))), test::counting(100));
+  EXPECT_EQ(download<uint32_t>(device->buffer("after", std::span<const uint32_t>(test::counting(100)))),
+            test::counting(100));
 }
 
 TEST_F(DeviceTest, BuffersTooLargeToBindNameThemselves) {
-  const Buffer large = device->buffer("large", device->maxStorageBufferBytes() + 16), small = device->buffer("small", 64);
+  const Buffer large = device->buffer("large", device->maxStorageBufferBytes() + 16),
+               small = device->buffer("small", 64);
   struct {
     uint32_t count = 16, offset = 0;
   } push;
   const Error e = errorOf([&] {
-    graph->compute("too much", "tests/add.comp").bind("source", large, Access::Read).bind("target", small, Access::Write).push(push).dispatch(1);
+    graph->compute("too much", "tests/add.comp")
+        .bind("source", large, Access::Read)
+        .bind("target", small, Access::Write)
+        .push(push)
+        .dispatch(1);
   });
   EXPECT_EQ(e.kind(), ErrorKind::Device);
   EXPECT_NE(std::string(e.what()).find("\"large\""), std::string::npos) << e.what();

@@ -38,7 +38,8 @@ class DisplayTest : public test::GpuTest {
 
 TEST_F(DisplayTest, CompositeAddsUp) {
   const auto wave = [](float a, float b) {
-    return filled([=](size_t p, size_t c) { return a + b * std::sin(static_cast<float>(p) + 2 * static_cast<float>(c)); });
+    return filled(
+        [=](size_t p, size_t c) { return a + b * std::sin(static_cast<float>(p) + 2 * static_cast<float>(c)); });
   };
   auto place = wave(0, 1);
   for (size_t p = 0; p < place.size() / 4; ++p) place[4 * p + 3] = p % 3 == 0 ? 0.0f : p % 3 == 1 ? 1.0f : -1.0f;
@@ -57,7 +58,8 @@ TEST_F(DisplayTest, CompositeAddsUp) {
     graph->execute();
     return device->download(out).data;
   };
-  const auto all = run(e, i), directOnly = run(e, GpuImage()), indirectOnly = run(GpuImage(), i), none = run(GpuImage(), GpuImage());
+  const auto all = run(e, i), directOnly = run(e, GpuImage()), indirectOnly = run(GpuImage(), i),
+             none = run(GpuImage(), GpuImage());
   for (size_t p = 0; p < place.size() / 4; ++p) {
     const bool surface = place[4 * p + 3] != 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -72,7 +74,9 @@ TEST_F(DisplayTest, CompositeAddsUp) {
 }
 
 TEST_F(DisplayTest, DeviceAndHostMapAlike) {
-  const auto data = filled([](size_t p, size_t c) { return std::pow(1.08f, static_cast<float>(p)) * 1e-3f * (1 + 0.3f * static_cast<float>(c)); });
+  const auto data = filled([](size_t p, size_t c) {
+    return std::pow(1.08f, static_cast<float>(p)) * 1e-3f * (1 + 0.3f * static_cast<float>(c));
+  });
   const GpuImage source = image("source", data);
   const Buffer counters = device->buffer("counters", 8);
   for (const ToneMap curve : {ToneMap::Linear, ToneMap::Aces, ToneMap::Reinhard}) {
@@ -121,7 +125,9 @@ TEST_F(DisplayTest, CountsAndShowsWhatIsWrong) {
     EXPECT_EQ(download<uint32_t>(counters), (std::vector<uint32_t>{5, 2}));
     const auto shown = bytes(out), host = toneMapOnHost(asImage(data), d);
     using Rgb = std::array<unsigned char, 3>;
-    const auto at = [](const std::vector<unsigned char>& v, size_t p) { return Rgb{v[4 * p], v[4 * p + 1], v[4 * p + 2]}; };
+    const auto at = [](const std::vector<unsigned char>& v, size_t p) {
+      return Rgb{v[4 * p], v[4 * p + 1], v[4 * p + 2]};
+    };
     for (const size_t p : {3u, 20u, 40u, 50u, 60u, 61u, 62u}) EXPECT_EQ(at(shown, p), at(host, p)) << p;
     if (loud) {
       for (const size_t p : {3u, 20u, 62u}) EXPECT_EQ(at(shown, p), (Rgb{255, 0, 255}));
@@ -151,7 +157,9 @@ TEST_F(DisplayTest, ShowsImagesOfOtherKindsAndSizes) {
     for (size_t c = 0; c < 3; ++c) ASSERT_EQ(shown[4 * p + c], p % 8 < 4 ? 255 : 0);
   }
   // Directions from [-1, 1]; no surface stays black.
-  auto data = filled([](size_t p, size_t c) { return p == 0 || c == 3 ? 0.0f : c == 0 ? 1.0f : c == 1 ? -1.0f : 0.0f; });
+  auto data = filled([](size_t p, size_t c) {
+    return p == 0 || c == 3 ? 0.0f : c == 0 ? 1.0f : c == 1 ? -1.0f : 0.0f;
+  });
   d.view = "normal";
   GpuImage out = recordToneMap(*graph, image("normals", data), d, false, kWidth, kHeight, counters);
   graph->execute();
@@ -173,7 +181,8 @@ TEST(FalseColour, RunsFromDarkVioletToYellow) {
   Image map(5, 1, 1);
   map.data = {0, 0.5f, 1, 99, kNan};
   const auto out = falseColour(map, 1);
-  const std::vector<unsigned char> ends = {0x44, 0x01, 0x54, 255}, top = {0xfd, 0xe7, 0x25, 255}, bad = {255, 0, 255, 255};
+  const std::vector<unsigned char> ends = {0x44, 0x01, 0x54, 255}, top = {0xfd, 0xe7, 0x25, 255},
+                                   bad = {255, 0, 255, 255};
   EXPECT_TRUE(std::equal(ends.begin(), ends.end(), out.begin()));
   EXPECT_TRUE(std::equal(top.begin(), top.end(), out.begin() + 8));
   EXPECT_TRUE(std::equal(top.begin(), top.end(), out.begin() + 12));

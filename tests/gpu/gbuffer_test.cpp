@@ -16,7 +16,9 @@ namespace {
 using D3 = std::array<double, 3>;
 D3 toDouble(vec3 v) { return {v.x, v.y, v.z}; }
 D3 minus(const D3& a, const D3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-D3 cross(const D3& a, const D3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+D3 cross(const D3& a, const D3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 double dot(const D3& a, const D3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 struct Found {
@@ -50,7 +52,8 @@ class GBufferTest : public test::GpuTest {
     const Buffer cornerUvs = corners.empty() ? Buffer() : device->buffer("corner uvs", std::span<const vec2>(corners));
     g = recordGBuffer(*graph, gpuScene, cornerUvs, camera, kWidth, kHeight);
     timings = graph->execute();
-    position = device->download(g.position), normal = device->download(g.normal), geometric = device->download(g.geometricNormal);
+    position = device->download(g.position), normal = device->download(g.normal),
+    geometric = device->download(g.geometricNormal);
     albedo = device->download(g.albedo), emission = device->download(g.emission);
     ids.resize(position.pixels() * 2);
     device->download(g.ids, ids.data(), ids.size() * 4);
@@ -67,8 +70,8 @@ class GBufferTest : public test::GpuTest {
     return n;
   }
 
-  /// Every pixel against the caster. Where another triangle is seen, it must be the nearest a sixty-fourth of a pixel away (the rasteriser
-  /// rounds corners); that may be so at few pixels.
+  /// Every pixel against the caster. Where another triangle is seen, it must be the nearest a sixty-fourth of a pixel
+  /// away (the rasteriser rounds corners); that may be so at few pixels.
   void compare(const Scene& scene, const Camera& camera, size_t mayDiffer) {
     const CameraBasis basis = cameraBasis(camera, static_cast<float>(kWidth) / kHeight);
     const D3 origin = toDouble(basis.origin);
@@ -79,7 +82,8 @@ class GBufferTest : public test::GpuTest {
         const auto through = [&](double dx, double dy) {
           const double sx = 2 * (x + 0.5 + dx) / kWidth - 1, sy = 2 * (y + 0.5 + dy) / kHeight - 1;
           D3 d;
-          for (int k = 0; k < 3; ++k) d[static_cast<size_t>(k)] = basis.forward[k] + sx * basis.right[k] + sy * basis.down[k];
+          for (int k = 0; k < 3; ++k)
+            d[static_cast<size_t>(k)] = basis.forward[k] + sx * basis.right[k] + sy * basis.down[k];
           return d;
         };
         const D3 direction = through(0, 0);
@@ -88,9 +92,11 @@ class GBufferTest : public test::GpuTest {
           ++differ;
           bool near = false;
           for (const double dx : {-1.0 / 64, 0.0, 1.0 / 64}) {
-            for (const double dy : {-1.0 / 64, 0.0, 1.0 / 64}) near = near || cast(scene, origin, through(dx, dy)).triangle == triangleAt(x, y);
+            for (const double dy : {-1.0 / 64, 0.0, 1.0 / 64})
+              near = near || cast(scene, origin, through(dx, dy)).triangle == triangleAt(x, y);
           }
-          EXPECT_TRUE(near) << "pixel " << x << ", " << y << " shows triangle " << triangleAt(x, y) << ", nearest is " << truth.triangle;
+          EXPECT_TRUE(near) << "pixel " << x << ", " << y << " shows triangle " << triangleAt(x, y) << ", nearest is "
+                            << truth.triangle;
           continue;
         }
         if (truth.triangle == kNone) {
@@ -106,7 +112,8 @@ class GBufferTest : public test::GpuTest {
         // Unit normals, towards the camera.
         EXPECT_NEAR(glm::length(rgb(normal, x, y)), 1, 1e-5f);
         EXPECT_NEAR(glm::length(rgb(geometric, x, y)), 1, 1e-5f);
-        const vec3 d(static_cast<float>(direction[0]), static_cast<float>(direction[1]), static_cast<float>(direction[2]));
+        const vec3 d(static_cast<float>(direction[0]), static_cast<float>(direction[1]),
+                     static_cast<float>(direction[2]));
         EXPECT_LT(glm::dot(rgb(geometric, x, y), d), 0);
       }
     }
@@ -171,8 +178,9 @@ Scene sphereFromInside(uint32_t n) {
 
 TEST_F(GBufferTest, HasNoHolesBetweenTriangles) {
   const Scene scene = sphereFromInside(120);  // 57 360 triangles: several a pixel in places
-  for (const Camera& camera : {lookingAt(vec3(0), vec3(0.3f, 1, 0.2f), 2.0f), lookingAt(vec3(0.9f, 0, 0), vec3(1, 0.05f, 0), 1.5f),
-                               lookingAt(vec3(-0.5f, 0.5f, 0.5f), vec3(0.4f, -1, 0.3f), 1.0f)}) {
+  for (const Camera& camera :
+       {lookingAt(vec3(0), vec3(0.3f, 1, 0.2f), 2.0f), lookingAt(vec3(0.9f, 0, 0), vec3(1, 0.05f, 0), 1.5f),
+        lookingAt(vec3(-0.5f, 0.5f, 0.5f), vec3(0.4f, -1, 0.3f), 1.0f)}) {
     render(scene, camera);
     EXPECT_EQ(holes(), 0u);
     for (int y = 0; y < kHeight; ++y) {
@@ -187,10 +195,11 @@ TEST_F(GBufferTest, HasNoHolesBetweenTriangles) {
 
 TEST_F(GBufferTest, KnowsFrontsFromBacks) {
   Scene scene;
-  const uint32_t lamp = test::addMaterial(scene, vec3(5, 100000, 7)), both = test::addMaterial(scene), grey = test::addMaterial(scene);
+  const uint32_t lamp = test::addMaterial(scene, vec3(5, 100000, 7)), both = test::addMaterial(scene),
+                 grey = test::addMaterial(scene);
   scene.materials[both].twoSided = true;
   scene.materials[both].albedo = vec3(0.25f, 0.5f, 0.75f);
-  scene.materials[grey].albedo = vec3(2, 0.5f, 0.5f);  // capped
+  scene.materials[grey].albedo = vec3(2, 0.5f, 0.5f);                         // capped
   test::addQuad(scene, vec3(-3, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), lamp);  // fronts towards +z
   test::addQuad(scene, vec3(-1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), both);
   test::addQuad(scene, vec3(1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), grey);
@@ -292,7 +301,8 @@ TEST_F(GBufferTest, CarriesLightmapCoordinates) {
   // u = (x + 1) / 4, v = (y + 1) / 8 + 0.5 over both triangles.
   std::vector<vec2> corners;
   for (const uvec3& i : scene.indices) {
-    for (const uint32_t v : {i.x, i.y, i.z}) corners.emplace_back((scene.positions[v].x + 1) / 4, (scene.positions[v].y + 1) / 8 + 0.5f);
+    for (const uint32_t v : {i.x, i.y, i.z})
+      corners.emplace_back((scene.positions[v].x + 1) / 4, (scene.positions[v].y + 1) / 8 + 0.5f);
   }
   render(scene, lookingAt(vec3(0.3f, 0.2f, 1.5f), vec3(0.1f, 0, 0), 0.8f), corners);
   size_t n = 0;

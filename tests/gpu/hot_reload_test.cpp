@@ -13,7 +13,9 @@ namespace fs = std::filesystem;
 
 class HotReloadTest : public ::testing::Test {
  protected:
-  HotReloadTest() : home_("HALFLIGHT_HOME", folder_.path().string()), compiled_("HALFLIGHT_SHADERS", (folder_ / "compiled").string()) {}
+  HotReloadTest()
+      : home_("HALFLIGHT_HOME", folder_.path().string()),
+        compiled_("HALFLIGHT_SHADERS", (folder_ / "compiled").string()) {}
   void SetUp() override {
     write("shaders/lib/value.glsl", "const uint kValue = 7;\n");
     write("shaders/main.comp", source("kValue"));
@@ -34,7 +36,9 @@ class HotReloadTest : public ::testing::Test {
   }
   static std::string source(const std::string& value) {
     return "#version 460\n#extension GL_GOOGLE_include_directive : require\n#include \"shaders/lib/value.glsl\"\n"
-           "layout(local_size_x = 1) in;\nlayout(binding = 3) writeonly buffer Result { uint result; };\nvoid main() { result = " + value + "; }\n";
+           "layout(local_size_x = 1) in;\nlayout(binding = 3) writeonly buffer Result { uint result; };\nvoid main() { "
+           "result = " +
+           value + "; }\n";
   }
   void write(const std::string& name, const std::string& text) const {
     fs::create_directories((folder_ / name).parent_path());
@@ -117,7 +121,8 @@ TEST_F(HotReloadTest, ABuildOlderThanItsSourceIsCompiledAgain) {
 
 TEST_F(HotReloadTest, ANewBindingIsAskedForAtOnce) {
   EXPECT_EQ(run(), 7u);
-  write("shaders/main.comp", "#version 460\nlayout(local_size_x = 1) in;\nbuffer Result { uint outcome; };\nvoid main() { outcome = 1; }\n");
+  write("shaders/main.comp",
+        "#version 460\nlayout(local_size_x = 1) in;\nbuffer Result { uint outcome; };\nvoid main() { outcome = 1; }\n");
   EXPECT_EQ(shaders->reload().reloaded, Names{"main.comp"});
   const Error e = test::errorOf([&] { run(); });
   EXPECT_NE(std::string(e.what()).find("\"outcome\""), std::string::npos) << e.what();

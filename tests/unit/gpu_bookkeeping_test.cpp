@@ -69,7 +69,8 @@ TEST(FreeList, NeverHandsOutAByteTwice) {
   EXPECT_EQ(list.ranges(), 1u);
 }
 
-constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, kFragment = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                kFragment = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
 constexpr VkAccessFlags2 kLoad = VK_ACCESS_2_SHADER_STORAGE_READ_BIT, kStore = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
 
 std::string hazardOf(ResourceHistory& h, const ResourceUse& use) {
@@ -127,6 +128,7 @@ TEST(Profiler, LeavesOutWarmUpAndKeepsAWindow) {
   EXPECT_DOUBLE_EQ(passes[0].p95Ms, 29.55);
   EXPECT_EQ(passes[1].skipped, "no sky");
   EXPECT_DOUBLE_EQ(profiler.frame().medianMs, 26.5);
+  EXPECT_NEAR(profiler.unaccounted(), 0.5 * (1.0 / 26 + 1.0 / 27), 1e-12);
   EXPECT_EQ(profiler.frames(), 32u);
   profiler.clear();
   EXPECT_TRUE(profiler.passes().empty());
