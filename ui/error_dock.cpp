@@ -75,7 +75,7 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   auto* rightColumn = new QVBoxLayout(right);
   rightColumn->setContentsMargins(0, 0, 0, 0);
   hint_->setWordWrap(true);
-  hint_->setEnabled(false);
+  hint_->setForegroundRole(QPalette::PlaceholderText);
   rightColumn->addWidget(hint_);
   table_->setHorizontalHeaderLabels({tr("Of"), tr("Metric"), tr("Matched"), tr("floor"), tr("Full"), tr("floor")});
   table_->horizontalHeaderItem(Matched)->setToolTip(tr("Against a reference limited to the light paths that the technique models: what it gets wrong"));
@@ -92,12 +92,11 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   table_->setTabKeyNavigation(false);
   table_->setAccessibleName(tr("Errors"));
   const int em = fontMetrics().horizontalAdvance(QStringLiteral("0"));
-  const int widths[ColumnCount] = {10, 10, 22, 11, 22, 11};
+  const int widths[ColumnCount] = {8, 8, 19, 9, 19, 9};
   for (int c = 0; c < ColumnCount; ++c) table_->setColumnWidth(c, widths[c] * em);
   rightColumn->addWidget(table_, 1);
   splitter->addWidget(right);
-  splitter->setStretchFactor(0, 1);
-  splitter->setStretchFactor(1, 1);
+  splitter->setSizes({900, 1100});
   splitter->setChildrenCollapsible(false);
   column->addWidget(splitter, 1);
 
@@ -125,7 +124,9 @@ void ErrorPanel::showEvent(QShowEvent* event) {
 void ErrorPanel::draw() {
   static const FrameResult nothing;
   const FrameResult& f = frame_ ? *frame_ : nothing;
-  work_->show(f.reference);
+  WorkReport reference = f.reference;
+  if (reference.label.empty()) reference.label = tr("starts once the technique has settled").toStdString(), reference.done = 0;
+  work_->show(reference);
   work_->setVisible(wanted_->isChecked());
   plot_->draw(f.convergence, metric_->currentData().toString().toStdString(), component_->currentData().toString().toStdString(),
               axis_->currentIndex() == 1);

@@ -60,6 +60,8 @@ void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::str
   full_->setData(keys[1], values[1], true);
   floor_->setData(floorKeys, floorValues, true);
   floor_->setVisible(!floorKeys.isEmpty());
+  const bool any = !keys[0].isEmpty() || !keys[1].isEmpty();
+  plot_->legend->setVisible(any);
   if (logarithmic) {
     makeLogarithmic(*plot_->yAxis);
   } else {
@@ -71,7 +73,10 @@ void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::str
   plot_->xAxis->setLabel(byFrames ? tr("frames since the reset") : tr("seconds of work since the reset"));
   plot_->yAxis->setLabel(QString::fromStdString(metric));
   plot_->rescaleAxes(true);
-  if (logarithmic) {
+  if (!any) {
+    plot_->xAxis->setRange(0, 10);
+    plot_->yAxis->setRange(logarithmic ? 1e-4 : 0, 1);
+  } else if (logarithmic) {
     plot_->yAxis->setRange(plot_->yAxis->range().lower / 2, plot_->yAxis->range().upper * 2);
   } else {
     plot_->yAxis->scaleRange(1.2);

@@ -1,7 +1,6 @@
 #include "ui/palette.h"
 
 #include <QVariantMap>
-#include <algorithm>
 #include <array>
 
 #include "ui/settings.h"
@@ -9,10 +8,11 @@
 namespace hl::ui {
 namespace {
 
-// Hues of Okabe and Ito's palette, which stay apart under the common colour deficiencies; black is left out, because it is the text's.
-constexpr std::array<QRgb, 7> kHues{0xff0072b2, 0xffe69f00, 0xff009e73, 0xffd55e00, 0xff56b4e9, 0xffcc79a7, 0xfff0e442};
-// Two more turns through the hues, told apart by lightness.
-constexpr std::array<int, 3> kLightness{100, 145, 65};  // per cent of the hue's own
+// First the hues of Okabe and Ito's palette, which stay apart under the common colour deficiencies (black is the text's); then colours of Tol's
+// muted and light sets that lie between them, told apart by lightness too.
+constexpr int kStrong = 7;
+constexpr std::array<QRgb, 18> kColours{0xff0072b2, 0xffe69f00, 0xff009e73, 0xffd55e00, 0xff56b4e9, 0xffcc79a7, 0xfff0e442, 0xff332288, 0xff999933,
+                                        0xff882255, 0xff88ccee, 0xff117733, 0xffddcc77, 0xffaa4499, 0xff8c564b, 0xff999999, 0xffffaabb, 0xff44aa99};
 
 uint32_t fnv1a(const std::string& s) {  // fixed: std::hash may differ from one build to another
   uint32_t h = 2166136261u;
@@ -24,15 +24,9 @@ const QString kKey = QStringLiteral("passColours");
 
 }  // namespace
 
-int PassPalette::size() { return static_cast<int>(kHues.size() * kLightness.size()); }
+int PassPalette::size() { return static_cast<int>(kColours.size()); }
 
-QColor PassPalette::colour(int slot) {
-  const int hues = static_cast<int>(kHues.size());
-  const QColor base = QColor::fromRgb(kHues[static_cast<size_t>(slot % hues)]);
-  const int lightness = kLightness[static_cast<size_t>(slot / hues) % kLightness.size()];
-  const QColor hsl = base.toHsl();
-  return QColor::fromHsl(hsl.hslHue(), hsl.hslSaturation(), std::min(225, hsl.lightness() * lightness / 100)).toRgb();
-}
+QColor PassPalette::colour(int slot) { return QColor::fromRgb(kColours[static_cast<size_t>(slot) % kColours.size()]); }
 
 PassPalette::PassPalette(Settings* settings) : settings_(settings), users_(static_cast<size_t>(size()), 0) {
   if (!settings_) return;
@@ -48,15 +42,12 @@ PassPalette::PassPalette(Settings* settings) : settings_(settings), users_(stati
 QColor PassPalette::of(const std::string& pass) {
   const auto found = slots_.find(pass);
   if (found != slots_.end()) return colour(found->second);
-  // The name's own place among the strong colours, or the next that fewest passes use.
-  const int count = size();
-  const int hues = static_cast<int>(kHues.size());
-  const int first = static_cast<int>(fnv1a(pass) % static_cast<uint32_t>(hues));
+  // The name's own place among the strong colours, then the other strong ones, then the rest: the first that fewest passes use.
+  const int first = static_cast<int>(fnv1a(pass) % static_cast<uint32_t>(kStrong));
   int best = first;
-  for (int turn = 0; turn < count; ++turn) {
-    const int slot = turn / hues * hues + (first + turn) % hues;
+  for (int turn = 0; turn < size(); ++turn) {
+    const int slot = turn < kStrong ? (first + turn) % kStrong : turn;
     if (users_[static_cast<size_t>(slot)] < users_[static_cast<size_t>(best)]) best = slot;
-    if (users_[static_cast<size_t>(best)] == 0) break;
   }
   slots_[pass] = best;
   ++users_[static_cast<size_t>(best)];

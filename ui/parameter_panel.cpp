@@ -27,10 +27,10 @@ ParameterPanel::ParameterPanel(QWidget* parent) : QWidget(parent) {
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   content_ = new QWidget(scroll);
   layout_ = new QVBoxLayout(content_);
-  layout_->setContentsMargins(0, 0, 0, 0);
+  layout_->setContentsMargins(0, 0, 6, 0);  // clear of the scroll bar
   layout_->setSpacing(2);
   nothing_ = new QLabel(tr("No parameter matches."), content_);
-  nothing_->setEnabled(false);
+  nothing_->setForegroundRole(QPalette::PlaceholderText);
   nothing_->hide();
   layout_->addWidget(nothing_);
   layout_->addStretch(1);
@@ -64,7 +64,6 @@ void ParameterPanel::addGroup(const ParameterGroup& declared) {
   g.header->setText(QString::fromStdString(declared.title));
   g.header->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
   g.header->setAutoRaise(true);
-  g.header->setCheckable(true);
   QFont bold = g.header->font();
   bold.setBold(true);
   g.header->setFont(bold);
@@ -99,13 +98,13 @@ void ParameterPanel::addGroup(const ParameterGroup& declared) {
   }
 
   const bool open = !collapsed_[g.id];
-  g.header->setChecked(open);
   g.header->setArrowType(open ? Qt::DownArrow : Qt::RightArrow);
   g.body->setVisible(open);
-  connect(g.header, &QToolButton::toggled, this, [this, id = g.id, header = g.header, body = g.body](bool on) {
-    collapsed_[id] = !on;
-    header->setArrowType(on ? Qt::DownArrow : Qt::RightArrow);
-    body->setVisible(on);
+  connect(g.header, &QToolButton::clicked, this, [this, id = g.id, header = g.header, body = g.body] {
+    const bool show = collapsed_[id];
+    collapsed_[id] = !show;
+    header->setArrowType(show ? Qt::DownArrow : Qt::RightArrow);
+    body->setVisible(show);
   });
   connect(g.reset, &QToolButton::clicked, this, [this, rows = g.rows] {
     std::map<std::string, std::string> texts;

@@ -69,7 +69,7 @@ ParameterRow::ParameterRow(const ParamInfo& info, QGridLayout& grid, int line, Q
   QFont small = cost_->font();
   small.setPointSizeF(small.pointSizeF() * 0.85);
   cost_->setFont(small);
-  cost_->setEnabled(false);  // quiet
+  cost_->setForegroundRole(QPalette::PlaceholderText);
   grid.addWidget(cost_, line, 3);
 
   reset_ = new QToolButton(parent);
@@ -163,9 +163,10 @@ bool ParameterRow::isDefault() const { return text_ == defaultText(info_); }
 void ParameterRow::updateLook() {
   const QString name = QString::fromStdString(readableName(info_.name)).toHtmlEscaped();
   const QString unit = fromView(info_.unit).toHtmlEscaped();
-  const QString dim = name_->palette().color(QPalette::PlaceholderText).name();
   const QString title = isDefault() ? name : QStringLiteral("<b>%1</b>").arg(name);
-  name_->setText(unit.isEmpty() ? title : QStringLiteral("%1 <span style='color:%2'>%3</span>").arg(title, dim, unit));
+  // "Slice ms" and "Bounces" say their unit already.
+  const bool said = unit.isEmpty() || name.endsWith(unit, Qt::CaseInsensitive) || unit.startsWith(name, Qt::CaseInsensitive);
+  name_->setText(said ? title : QStringLiteral("%1 <small>[%2]</small>").arg(title, unit));
   reset_->setVisible(name_->isVisibleTo(static_cast<QWidget*>(parent())) && !isDefault());
 }
 

@@ -94,7 +94,8 @@ void PassBars::draw() {
     below = bars;
   }
   const double last = static_cast<double>(history_.back().number);
-  plot_->xAxis->setRange(last - static_cast<double>(kFrames) + 0.5, last + 0.5);
+  const double first = std::max(static_cast<double>(history_.front().number), last - static_cast<double>(kFrames) + 1);
+  plot_->xAxis->setRange(first - 0.5, std::max(last, first + 20) + 0.5);  // few bars are not stretched into blocks
   plot_->yAxis->setRange(0, top > 0 ? top * 1.05 : 1);
   plot_->replot(QCustomPlot::rpQueuedReplot);
 }

@@ -56,7 +56,7 @@ QVariant PassModel::headerData(int section, Qt::Orientation orientation, int rol
     case Name: return tr("Pass");
     case Where: return tr("Where");
     case Last: return tr("Last [ms]");
-    case Median: return tr("Median");
+    case Median: return tr("Median [ms]");
     case P5: return tr("p5");
     case P95: return tr("p95");
     case Skipped: return tr("Skipped because");
@@ -73,9 +73,9 @@ PassTable::PassTable(PassModel& model, const QList<int>& columns, QWidget* paren
   horizontalHeader()->setHighlightSections(false);
   horizontalHeader()->setMinimumSectionSize(30);
   const int em = fontMetrics().horizontalAdvance(QStringLiteral("0"));
-  setColumnWidth(PassModel::Name, em * 26);
+  setColumnWidth(PassModel::Name, em * (columns.contains(PassModel::Skipped) ? 22 : 28));
   setColumnWidth(PassModel::Where, em * 10);
-  for (const int c : {PassModel::Last, PassModel::Median, PassModel::P5, PassModel::P95}) setColumnWidth(c, em * 10);
+  for (const int c : {PassModel::Last, PassModel::Median, PassModel::P5, PassModel::P95}) setColumnWidth(c, em * 11);
   setShowGrid(false);
   setAlternatingRowColors(true);
   setWordWrap(false);

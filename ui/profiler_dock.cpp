@@ -45,8 +45,7 @@ ProfilerPanel::ProfilerPanel(PassPalette& palette, PassModel& passes, QWidget* p
   memory_->setAccessibleName(tr("Memory by resource"));
   tabs->addTab(memory_, tr("Memory"));
   splitter->addWidget(tabs);
-  splitter->setStretchFactor(0, 1);
-  splitter->setStretchFactor(1, 1);
+  splitter->setSizes({1000, 1000});  // halves
   splitter->setChildrenCollapsible(false);
   column->addWidget(splitter);
   timer_.setInterval(kDrawIntervalMs);

@@ -58,7 +58,7 @@ ScenePanel::ScenePanel(Document& document, Bookmarks& bookmarks, QWidget* parent
   scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   auto* content = new QWidget(scroll);
   auto* column = new QVBoxLayout(content);
-  column->setContentsMargins(0, 0, 0, 0);
+  column->setContentsMargins(0, 0, 6, 0);  // clear of the scroll bar
 
   auto* lights = new QGroupBox(tr("Lights"), content);
   auto* lightsColumn = new QVBoxLayout(lights);
@@ -76,7 +76,7 @@ ScenePanel::ScenePanel(Document& document, Bookmarks& bookmarks, QWidget* parent
   camerasColumn->addWidget(cameras_);
   auto* hint = new QLabel(tr("Keys 1 to 9 go to a camera, Ctrl+1 to Ctrl+9 keep the present one."), cameras);
   hint->setWordWrap(true);
-  hint->setEnabled(false);
+  hint->setForegroundRole(QPalette::PlaceholderText);
   camerasColumn->addWidget(hint);
   column->addWidget(cameras);
 

@@ -1,5 +1,6 @@
 #include "ui/viewport_bar.h"
 
+#include <QAbstractItemView>
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -25,7 +26,7 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
       view_(new QComboBox(this)),
       exposure_(new QDoubleSpinBox(this)),
       toneMap_(new QComboBox(this)),
-      invalid_(new QCheckBox(tr("Show NaN, Inf, negative"), this)),
+      invalid_(new QCheckBox(tr("Invalid pixels"), this)),
       resolution_(new QComboBox(this)),
       figures_(new QLabel(this)) {
   auto* line = new QHBoxLayout(this);
@@ -38,8 +39,9 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
     w->setAccessibleName(text);
     line->addSpacing(6);
   };
-  view_->setSizeAdjustPolicy(QComboBox::AdjustToContents);
-  view_->setMinimumContentsLength(12);
+  view_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  view_->setMinimumContentsLength(16);
+  view_->view()->setMinimumWidth(fontMetrics().horizontalAdvance(QLatin1Char('0')) * 36);
   labelled(tr("View"), view_);
   exposure_->setRange(-kExposureLimit, kExposureLimit);
   exposure_->setSingleStep(kHalfStop);
@@ -119,6 +121,7 @@ void ViewportBar::showFrame(const FrameResult& f) {
     if (count > 0 && (name == "nan_inf" || name == "negative"))
       text = tr("%1 %2 pixels!   ").arg(count, 0, 'f', 0).arg(name == "negative" ? tr("negative") : tr("NaN or Inf")) + text;
   figures_->setText(text);
+  figures_->setToolTip(tr("Frames since the last reset, and the median time of a frame"));
 }
 
 }  // namespace hl::ui

@@ -56,18 +56,18 @@ WorkLine::WorkLine(const QString& name, QWidget* parent)
 
 void WorkLine::show(const WorkReport& work) {
   const bool complete = work.done >= 1;
-  QString text = work.label.empty() ? name_ : name_ + QStringLiteral(": ") + QString::fromStdString(work.label);
+  const bool said = work.label.empty() || name_.compare(QString::fromStdString(work.label), Qt::CaseInsensitive) == 0;
+  QString text = said ? name_ : name_ + QStringLiteral(": ") + QString::fromStdString(work.label);
   if (work.running && work.secondsLeft >= 0)
     text += tr(", %1 left").arg(durationText(work.secondsLeft));
   else if (!work.running)
-    text += complete ? tr(": nothing to do") : tr(" (stopped)");
-  if (!work.running && complete && !work.label.empty()) text = tr("%1: done").arg(name_);
+    text = complete ? (work.label.empty() ? tr("%1: nothing to do").arg(name_) : tr("%1: done").arg(name_)) : text;
   label_->setText(text);
   label_->setToolTip(text);
   bar_->setValue(static_cast<int>(std::lround(std::clamp(work.done, 0.0, 1.0) * kBarSteps)));
   bar_->setFormat(QStringLiteral("%1 %").arg(work.done * 100, 0, 'f', work.running ? 1 : 0));
   cancel_->setEnabled(work.running);
-  restart_->setEnabled(!work.running && !complete);
+  restart_->setEnabled(!work.running && !complete && work.done > 0);
 }
 
 }  // namespace hl::ui
