@@ -49,7 +49,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   radiance_ = device_.buffer("radiosity: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
   counters_ = device_.buffer("radiosity: counters", 2 * shared::kCounters * sizeof(uint32_t));
   const uint64_t unitRays = uint64_t{castLumels_} * samples;
-  rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray));
+  rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray), TexelFormat::RGBA32F);
   hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
   codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));
   allocateCache();
@@ -227,7 +227,7 @@ void RadiosityBake::recordCast(FrameGraph& graph, const Piece& piece, const Buff
       .bind("rays", rays_, Access::Write)
       .uniform("radiosity", params_)
       .push(unit)
-      .dispatchThreads(count);
+      .dispatch(piece.count);
   scene_.tracer.record(graph, "radiosity: cast rays", rays_, hits_, count, Query::Closest);
   graph.compute("radiosity: find texels", "radiosity/find_texels.comp")
       .bind("rays", rays_, Access::Read)

@@ -8,33 +8,45 @@
 #include "shaders/shared/sampling.h"
 #include "shaders/shared/surface_point.h"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = 64) in;  // one workgroup a lumel
 
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
 layout(scalar) readonly buffer directions_block { vec4 directions[]; };
 layout(scalar) writeonly buffer rays_block { Ray rays[]; };
 layout(push_constant, scalar) uniform Constants { RadiosityUnit unit; };
 
+/// sampleDisc without its range reduction: the angle stays within an eighth of a turn, where these polynomials are good to 4e-8. Rays are
+/// made as fast as they are traced only because of this.
+vec2 disc(vec2 u) {
+  vec2 p = 2.0 * u - 1.0;
+  bool wide = abs(p.x) > abs(p.y);
+  float r = wide ? p.x : p.y;
+  float a = r == 0.0 ? 0.0 : 0.25 * kPi * (wide ? p.y : p.x) / r;
+  float a2 = a * a;
+  float s = a * (1.0 + a2 * (-1.6666655e-1 + a2 * (8.3321609e-3 + a2 * -1.9515296e-4)));
+  float c = 1.0 + a2 * (-0.5 + a2 * (4.1666642e-2 + a2 * (-1.3887316e-3 + a2 * 2.4433157e-5)));
+  return r * (wide ? vec2(c, s) : vec2(s, c));
+}
+
 void main() {
-  uint r = gl_GlobalInvocationID.x;
+  uint lumel = unit.firstLumel + gl_WorkGroupID.x;
   uint samples = uint(radiosity.samples);
-  if (r >= unit.lumels * samples) return;
-  uint lumel = unit.firstLumel + r / samples;
   SurfacePoint p = points[lumel];
-  vec2 point = directions[r % samples].xy;
+  vec3 origin = p.position + p.offset * p.geometricNormal;
+  vec3 tangent, bitangent;
+  orthonormalBasis(p.geometricNormal, tangent, bitangent);
   Random random = randomInit(unit.seed, lumel, 0u);
   vec2 shift = vec2(randomFloat(random), randomFloat(random));
-  vec2 d;
-  if (radiosity.directions == kDirectionsLargestEmptyCircle) {
-    float angle = 2.0 * kPi * shift.x;
-    d = vec2(cos(angle) * point.x - sin(angle) * point.y, sin(angle) * point.x + cos(angle) * point.y);
-  } else {
-    d = sampleDisc(fract(point + shift));
+  bool turned = radiosity.directions == kDirectionsLargestEmptyCircle;
+  vec2 turn = vec2(cos(2.0 * kPi * shift.x), sin(2.0 * kPi * shift.x));
+  for (uint j = gl_LocalInvocationIndex; j < samples; j += gl_WorkGroupSize.x) {
+    vec2 point = directions[j].xy;
+    vec2 d = turned ? vec2(turn.x * point.x - turn.y * point.y, turn.y * point.x + turn.x * point.y) : disc(fract(point + shift));
+    Ray ray;
+    ray.origin = origin;
+    ray.tMin = 0.0;
+    ray.direction = tangent * d.x + bitangent * d.y + p.geometricNormal * sqrt(max(0.0, 1.0 - dot(d, d)));
+    ray.tMax = 1e30;
+    rays[gl_WorkGroupID.x * samples + j] = ray;
   }
-  Ray ray;
-  ray.origin = p.position + p.offset * p.geometricNormal;
-  ray.tMin = 0.0;
-  ray.direction = fromLocal(vec3(d, sqrt(max(0.0, 1.0 - dot(d, d)))), p.geometricNormal);
-  ray.tMax = 1e30;
-  rays[r] = ray;
 }
