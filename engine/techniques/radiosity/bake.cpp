@@ -14,6 +14,7 @@ namespace {
 constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 50 ms on two cores in a large scene
 constexpr uint32_t kUnitCached = 1u << 21;      ///< remembered rays that a unit reads back
 constexpr uint32_t kUnitLumels = 1u << 15;      ///< at most, however few samples each has
+constexpr float kRayEnd = 1e30f;                ///< [m]: beyond every scene
 constexpr uint32_t kDirectRays = 1u << 17;      ///< shadow rays a unit casts
 
 uint32_t groups(uint32_t n, uint32_t size) { return (n + size - 1) / size; }
@@ -50,6 +51,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   counters_ = device_.buffer("radiosity: counters", 2 * shared::kCounters * sizeof(uint32_t));
   const uint64_t unitRays = uint64_t{castLumels_} * samples;
   rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray), TexelFormat::RGBA32F);
+  device_.upload(rays_, std::vector<shared::Ray>(unitRays, {vec3(0.0f), 0.0f, vec3(0.0f), kRayEnd}).data(), rays_.size());
   hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
   codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));
   allocateCache();
@@ -77,7 +79,8 @@ void RadiosityBake::makeDirections(Progress& progress) {
   } else {
     for (vec2 p : goldenLattice(samples)) directions.push_back(vec4(p.x, p.y, 1.0f / static_cast<float>(samples), 0.0f));
   }
-  directions_ = device_.buffer("radiosity: directions", std::span<const vec4>(directions));
+  directions_ = device_.buffer("radiosity: directions", directions.size() * sizeof(vec4), TexelFormat::RGBA32F);
+  device_.upload(directions_, directions.data(), directions.size() * sizeof(vec4));
 }
 
 /// As many buffers as the budget has room for, each of whole units, so that no unit's codes lie in two.

@@ -9,7 +9,7 @@
 layout(local_size_x = 64) in;  // kGatherLanes * kGatherLumels
 
 layout(scalar) readonly buffer codes_block { uint codes[]; };
-layout(scalar) readonly buffer directions_block { vec4 directions[]; };
+uniform samplerBuffer directions;
 uniform samplerBuffer radiance;  // that lumels send out, each the same in all directions
 layout(scalar) buffer irradiance_block { vec4 irradiance[]; };  // w: change of luminance against the last bounce
 layout(scalar) buffer counters_block { uint counters[]; };
@@ -34,7 +34,7 @@ void main() {
     uint base = unit.codeBase + index * samples;
     for (uint j = lane; j < samples; j += kGatherLanes) {
       uint code = codes[base + j];
-      if (code < kFirstCode) sum += directions[j].z * texelFetch(radiance, int(code)).xyz;
+      if (code < kFirstCode) sum += texelFetch(directions, int(j)).z * texelFetch(radiance, int(code)).xyz;
       if (code == kCodeBackFace) ++backFaces;
       if (code == kCodeNoTexel) ++withoutTexel;
     }

@@ -11,7 +11,7 @@
 layout(local_size_x = 64) in;  // one workgroup a lumel
 
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
-layout(scalar) readonly buffer directions_block { vec4 directions[]; };
+uniform samplerBuffer directions;
 layout(scalar) writeonly buffer rays_block { Ray rays[]; };
 layout(push_constant, scalar) uniform Constants { RadiosityUnit unit; };
 
@@ -40,13 +40,11 @@ void main() {
   bool turned = radiosity.directions == kDirectionsLargestEmptyCircle;
   vec2 turn = vec2(cos(2.0 * kPi * shift.x), sin(2.0 * kPi * shift.x));
   for (uint j = gl_LocalInvocationIndex; j < samples; j += gl_WorkGroupSize.x) {
-    vec2 point = directions[j].xy;
+    vec2 point = texelFetch(directions, int(j)).xy;
     vec2 d = turned ? vec2(turn.x * point.x - turn.y * point.y, turn.y * point.x + turn.x * point.y) : disc(fract(point + shift));
-    Ray ray;
-    ray.origin = origin;
-    ray.tMin = 0.0;
-    ray.direction = tangent * d.x + bitangent * d.y + p.geometricNormal * sqrt(max(0.0, 1.0 - dot(d, d)));
-    ray.tMax = 1e30;
-    rays[gl_WorkGroupID.x * samples + j] = ray;
+    // Their range, tMin and tMax, is the same for all and was written once.
+    uint r = gl_WorkGroupID.x * samples + j;
+    rays[r].origin = origin;
+    rays[r].direction = tangent * d.x + bitangent * d.y + p.geometricNormal * sqrt(max(0.0, 1.0 - dot(d, d)));
   }
 }
