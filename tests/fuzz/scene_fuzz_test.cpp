@@ -110,8 +110,11 @@ class SceneFuzz : public testing::Test {
       }
     }
     std::printf("%d read, %d refused\n", accepted, refused);
-    EXPECT_GT(accepted, 10);
-    EXPECT_GT(refused, 50);
+    // Both sides are reached, however few mutations the time allowed.
+    const int ran = accepted + refused;
+    EXPECT_GE(ran, 30);
+    EXPECT_GT(100 * accepted, ran);
+    EXPECT_GT(10 * refused, ran);
   }
   static void expectSound(const Scene& s) {
     EXPECT_FALSE(s.indices.empty());
