@@ -86,9 +86,11 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
     s.pickPixel.reset();
   }
   if (s.referenceWanted && !s.referenceStopped && !s.full.tracer) s.startReferences();
+  bool worked = false;  // then this frame's picture is older than the state
   if (!s.workPaused) {
     try {
       if (!s.workSettled()) {
+        worked = true;
         s.runWork(s.sliceMs(), p);
       } else if (s.referenceWanted && !s.referenceStopped) {
         s.runReference(kReferenceSliceMs, p);
@@ -148,7 +150,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   }
   r.errors = s.errors;
   r.convergence = s.convergence;
-  r.settled = !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
+  r.settled = !worked && !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
   r.message = s.message;
