@@ -1,5 +1,6 @@
 #pragma once
-// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, or an image that carries its preset.
+// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, or an image
+// that carries its preset.
 #include <filesystem>
 #include <string>
 
@@ -12,7 +13,8 @@ namespace hl {
 inline constexpr const char* kPresetAttribute = "halflight.preset";
 inline constexpr const char* kProvenanceAttribute = "halflight.provenance";
 
-/// A file, else a preset's name, else a scene's name (which the scene loader judges). A scene or mesh gets the default preset with that scene.
+/// A file, else a preset's name, else a scene's name (which the scene loader judges). A scene or mesh gets the default
+/// preset with that scene.
 /// @throws Error(BadInput) for a preset or image that cannot be read, or an image without a preset.
 Preset openTarget(const std::string& nameOrPath);
 

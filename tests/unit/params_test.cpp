@@ -79,7 +79,7 @@ TEST(Params, ViewReadsAndWritesTheStruct) {
 }
 
 TEST(Params, TextRoundTripsThroughEveryType) {
-  const std::pair<const char*, const char*> cases[] = {{"samples", "4096"}, {"residual", "0.1"},      {"residual", "1e-06"},
+  const std::pair<const char*, const char*> cases[] = {{"samples", "4096"}, {"residual", "0.1"},  {"residual", "1e-06"},
                                                        {"clamped", "true"}, {"clamped", "false"}, {"mode", "static"}};
   for (const auto& [name, text] : cases) EXPECT_EQ(formatParam(info(name), parseParam(info(name), text)), text) << name;
   EXPECT_EQ(std::get<int32_t>(parseParam(info("clamped"), "on")), 1);
@@ -90,7 +90,8 @@ TEST(Params, TextRoundTripsThroughEveryType) {
 }
 
 TEST(Params, OutOfRangeNamesKeyValueAndRange) {
-  EXPECT_EQ(refusal([] { parseParam(info("samples"), "5000"); }), "example.samples = 5000: out of range [1, 4096] rays");
+  EXPECT_EQ(refusal([] { parseParam(info("samples"), "5000"); }),
+            "example.samples = 5000: out of range [1, 4096] rays");
   EXPECT_EQ(refusal([] { parseParam(info("residual"), "0.2"); }), "example.residual = 0.2: out of range [0, 0.1]");
   EXPECT_EQ(refusal([] { parseParam(info("samples"), "99999999999"); }),
             "example.samples = 99999999999: out of range [1, 4096] rays");
