@@ -92,7 +92,7 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   table_->setTabKeyNavigation(false);
   table_->setAccessibleName(tr("Errors"));
   const int em = fontMetrics().horizontalAdvance(QStringLiteral("0"));
-  const int widths[ColumnCount] = {8, 8, 19, 9, 19, 9};
+  const int widths[ColumnCount] = {8, 8, 17, 8, 17, 8};
   for (int c = 0; c < ColumnCount; ++c) table_->setColumnWidth(c, widths[c] * em);
   rightColumn->addWidget(table_, 1);
   splitter->addWidget(right);

@@ -45,7 +45,7 @@ QVariant PassModel::data(const QModelIndex& i, int role) const {
       default: return {};
     }
   if (role == Qt::ToolTipRole) return skipped ? tr("%1, skipped: %2").arg(QString::fromStdString(p.name), QString::fromStdString(p.skipped)) : QString::fromStdString(p.name);
-  if (role == Qt::DecorationRole && i.column() == Name && !row.total) return palette_.of(p.name);
+  if (role == Qt::DecorationRole && i.column() == Name && !row.total && !skipped) return palette_.of(p.name);
   if (role == Qt::TextAlignmentRole && i.column() >= Last && i.column() <= P95) return QVariant(Qt::AlignRight | Qt::AlignVCenter);
   return {};
 }
@@ -56,7 +56,7 @@ QVariant PassModel::headerData(int section, Qt::Orientation orientation, int rol
     case Name: return tr("Pass");
     case Where: return tr("Where");
     case Last: return tr("Last [ms]");
-    case Median: return tr("Median [ms]");
+    case Median: return tr("Median");
     case P5: return tr("p5");
     case P95: return tr("p95");
     case Skipped: return tr("Skipped because");
@@ -73,9 +73,9 @@ PassTable::PassTable(PassModel& model, const QList<int>& columns, QWidget* paren
   horizontalHeader()->setHighlightSections(false);
   horizontalHeader()->setMinimumSectionSize(30);
   const int em = fontMetrics().horizontalAdvance(QStringLiteral("0"));
-  setColumnWidth(PassModel::Name, em * (columns.contains(PassModel::Skipped) ? 22 : 28));
-  setColumnWidth(PassModel::Where, em * 10);
-  for (const int c : {PassModel::Last, PassModel::Median, PassModel::P5, PassModel::P95}) setColumnWidth(c, em * 11);
+  setColumnWidth(PassModel::Name, em * (columns.contains(PassModel::Skipped) ? 19 : 24));
+  setColumnWidth(PassModel::Where, em * 9);
+  for (const int c : {PassModel::Last, PassModel::Median, PassModel::P5, PassModel::P95}) setColumnWidth(c, em * 8);
   setShowGrid(false);
   setAlternatingRowColors(true);
   setWordWrap(false);

@@ -36,7 +36,7 @@ TechniquePanel::TechniquePanel(Document& document, EngineLink& link, PassModel& 
   auto* below = new QWidget(splitter);
   auto* belowColumn = new QVBoxLayout(below);
   belowColumn->setContentsMargins(0, 0, 0, 0);
-  auto* title = new QLabel(tr("Passes"), below);
+  auto* title = new QLabel(tr("Passes, in ms"), below);
   QFont bold = title->font();
   bold.setBold(true);
   title->setFont(bold);

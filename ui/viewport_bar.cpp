@@ -61,7 +61,6 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
   for (const QSize s : kResolutions) resolution_->addItem(sizeText(s.width(), s.height()), s);
   resolution_->setToolTip(tr("Resolution of the picture; the window only scales it. Others can be typed"));
   labelled(tr("Size"), resolution_);
-  line->addStretch(1);
   figures_->setTextFormat(Qt::PlainText);
   figures_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   figures_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);

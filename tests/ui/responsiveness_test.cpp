@@ -1,6 +1,7 @@
 // The window stays responsive whatever the engine does: import, bake and reference, with someone turning knobs meanwhile.
 #include <QTemporaryDir>
 #include <QTest>
+#include <algorithm>
 #include <cstdio>
 
 #include "engine/core/files.h"
@@ -18,6 +19,7 @@ using namespace hl::ui;
 
 constexpr int kLongest = 240000;      // ms
 constexpr double kLimitMs = 50;
+constexpr size_t kLeastBeats = 2000;  // some 15 s
 
 class ResponsivenessTest : public QObject {
   Q_OBJECT
@@ -66,12 +68,19 @@ class ResponsivenessTest : public QObject {
     window.document().openScene("furnace_box_050");  // another import
     QVERIFY(workUntil(window, [&] { return link.latest()->preset.scene == "furnace_box_050"; }));
 
+    // Enough beats for a 99th percentile that two of them cannot decide: bakes again until there are.
+    while (heartbeat.beats() < kLeastBeats) {
+      link.restartWork();
+      window.document().editSeed(window.document().preset().seed + 1);
+      const size_t until = std::min(heartbeat.beats() + 200, kLeastBeats);
+      QVERIFY(workUntil(window, [&] { return heartbeat.beats() >= until; }));
+    }
+
     app().stopMeasuring();
     heartbeat.stop();
     std::printf("heartbeat: %zu beats, p50 %.2f ms, p99 %.2f ms, worst %.2f ms late; %zu events, longest %.2f ms of thread time (%s), %zu over %.0f ms\n",
                 heartbeat.beats(), heartbeat.quantile(0.5), heartbeat.quantile(0.99), heartbeat.quantile(1), app().events(), app().longestEventMs(),
                 app().longestEvent().c_str(), app().eventsOver(kLimitMs), kLimitMs);
-    QVERIFY(heartbeat.beats() > 100);
     QVERIFY2(app().longestEventMs() < kLimitMs, app().longestEvent().c_str());
     QVERIFY(heartbeat.quantile(0.99) < kLimitMs);
   }
@@ -93,7 +102,7 @@ class ResponsivenessTest : public QObject {
     app().stopMeasuring();
     QVERIFY(app().longestEventMs() >= 80);
     QCOMPARE(app().eventsOver(kLimitMs), size_t(1));
-    QVERIFY(heartbeat.quantile(1) >= 70);
+    QTRY_VERIFY(heartbeat.quantile(1) >= 70);  // a busy machine may be past the wait before the next beat
   }
 };
 
