@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up, builds and opens the workbench on its default preset. Without a display it runs that preset headless and prints
-# its speed and error.
-#   bash app/run.sh [--headless] [PRESET|SCENE|SCREENSHOT]
+# each pass's time and the errors against the reference.
+#   bash app/run.sh [--headless] [PRESET|SCENE|SCREENSHOT [OPTION...]]      options as those of halflight or of halflight-cli render
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -13,7 +13,11 @@ elif [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
   halflight_say "no display: running headless"
   headless=true
 fi
-experiment="${1:-$halflight_root/presets/cornell_radiosity.json}"
+if [ $# -eq 0 ]; then
+  set -- "$halflight_root/presets/cornell_radiosity.json"
+  # A quarter of the default paths: a minute or two on a CPU, and kept for the next time. The errors are free of the reference's noise.
+  if $headless; then set -- "$@" --metrics relmse,bias --set reference.samples=64; fi
+fi
 
 halflight_install "${halflight_build_packages[@]}"
 mkdir -p "$halflight_root/build"
@@ -31,7 +35,7 @@ halflight_say "building $program"
 cmake --build "$build" --target "$program" -j "$halflight_jobs" >&2
 
 if $headless; then
-  exec "$build/app/halflight-cli" render "$experiment"
+  exec "$build/app/halflight-cli" render "$@"
 else
-  exec "$build/ui/halflight" "$experiment"
+  exec "$build/ui/halflight" "$@"
 fi

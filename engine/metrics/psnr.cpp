@@ -17,7 +17,10 @@ void finish(MetricResult& result, const ReferenceStatistics& s) {
   result.value = decibels(meanSquare, s.peak);
   // What the reference's noise alone would give. Without halves it is unknown, which is said as 0.
   result.noiseFloor = result.noiseFloor > 0 ? decibels(result.noiseFloor, s.peak) : 0;
-  if (result.standardError > 0) result.standardError *= 10 / (std::log(10.0) * std::fabs(meanSquare));
+  if (result.standardError == 0) return;
+  // Where nothing is left of the error, nothing is known of its size in decibels.
+  result.standardError = meanSquare > 0 ? result.standardError * 10 / (std::log(10.0) * meanSquare)
+                                        : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ TEST(NoiseFloor, AnErrorBelowTheNoiseIsNoneAndNotNan) {
     ++below;
     EXPECT_EQ(rmse.value, 0);
     EXPECT_EQ(psnr.value, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(psnr.standardError, std::numeric_limits<double>::infinity());
   }
   EXPECT_GT(below, 2);
   EXPECT_LT(below, 18);
