@@ -12,8 +12,6 @@
 namespace hl {
 
 inline constexpr int kPresetVersion = 1;
-/// The text attribute of PNG and EXR files that holds the preset's JSON.
-inline constexpr char kPresetMetadataKey[] = "halflight:preset";
 
 /// Lights that were changed against the scene's file; written only then.
 struct LightEdits {

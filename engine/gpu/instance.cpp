@@ -2,6 +2,11 @@
 
 #include <fmt/core.h>
 
+#ifdef __SANITIZE_ADDRESS__
+#include <dlfcn.h>
+#include <link.h>
+#endif
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -23,6 +28,14 @@ struct Ignored {
 constexpr Ignored kIgnored[] = {
     {"Loader Message", "the loader's remarks on other drivers' manifests, not on what this program does"},
 };
+
+#ifdef __SANITIZE_ADDRESS__
+/// Keeps drivers and layers mapped to the end: a leak report can name, and a suppression match, only what is still loaded.
+int keepLoaded(dl_phdr_info* info, size_t, void*) {
+  if (info->dlpi_name && info->dlpi_name[0] == '/') dlopen(info->dlpi_name, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
+  return 0;
+}
+#endif
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
@@ -147,6 +160,9 @@ Instance::~Instance() {
         vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
     destroy(instance_, messenger_, nullptr);
   }
+#ifdef __SANITIZE_ADDRESS__
+  dl_iterate_phdr(keepLoaded, nullptr);
+#endif
   if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
 }
 

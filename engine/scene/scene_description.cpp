@@ -64,6 +64,7 @@ class Reader {
     JsonObject o(v, place);
     m.file = JsonObject::asText(o.need("file"), o.at("file"));
     m.scale = o.number("import_scale", 1, 1e-9, 1e9);
+    m.vDown = o.boolean("v_down", false);
     m.obtain = o.text("obtain", "");
     o.refuseUnknown();
     return m;

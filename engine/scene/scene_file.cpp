@@ -68,6 +68,8 @@ void applyMaterials(Scene& scene, const SceneDescription& d, const std::string& 
 Scene fromDescription(const SceneDescription& d, const std::filesystem::path& file, Progress* progress) {
   Scene scene;
   if (d.mesh) scene = importMeshCached(findMesh(*d.mesh, file), d.mesh->scale, progress);
+  if (d.mesh && d.mesh->vDown)
+    for (vec2& uv : scene.uvs) uv.y = 1 - uv.y;
   scene.name = file.stem().string();
   applyMaterials(scene, d, file.string());
   appendShapes(scene, d.shapes, d.lightmapUvs,

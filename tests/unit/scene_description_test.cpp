@@ -99,6 +99,7 @@ TEST(SceneDescription, ValuesOutOfRange) {
   expectRefused(R"({"version": 0})", {"version", "out of range"});
   expectRefused(R"({"sky": [1, -1, 1]})", {"sky[1]", "-1", "out of range"});
   expectRefused(R"({"materials": {"a": {"albedo": 1.5}}})", {"materials.a.albedo", "1.5", "[0, 1]"});
+  expectRefused(R"({"mesh": {"file": "a.obj", "v_down": 1}})", {"mesh.v_down"});
   expectRefused(R"({"mesh": {"file": "a.obj", "import_scale": 0}})", {"mesh.import_scale", "out of range"});
   expectRefused(R"({"sky": 1e999})", {"room.json"});
   expectRefused(R"({"cameras": [{"name": "a", "position": [0, 0, 0], "target": [0, 0, 0]}]})",
