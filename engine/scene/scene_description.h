@@ -15,6 +15,7 @@ namespace hl {
 struct MeshReference {
   std::string file;    ///< looked for beside the scene file, then along HALFLIGHT_SCENES
   double scale = 1;    ///< metres a unit of the file
+  bool vDown = false;    ///< the file counts texture v from the top of the image; turned round on loading
   std::string obtain;  ///< where to get it, for the message when it is missing
 };
 
