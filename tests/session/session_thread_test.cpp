@@ -79,6 +79,9 @@ TEST_F(SessionTest, CancelStopsTheBakeInHalfASecond) {
 
 /// A large scene: import, atlas and bake each give way in time.
 TEST_F(SessionTest, SponzasBakeReportsProgressAndIsCancelledInHalfASecond) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "times under the thread sanitizer say nothing; the smaller scene's cancellation is tested there";
+#endif
   if (!std::getenv("HALFLIGHT_SCENES")) GTEST_SKIP() << "HALFLIGHT_SCENES is not set: Sponza is not looked for";
   SessionThread thread(options());
   std::atomic<bool> failed = false;
