@@ -11,6 +11,8 @@
 namespace hl::ui {
 namespace {
 
+/// The share of its upper end where a logarithmic axis begins at the lowest.
+constexpr double kDecades = 1e-8;
 /// Values below this are drawn there: a logarithmic axis has no zero.
 constexpr double kLeast = 1e-12;
 
@@ -77,7 +79,9 @@ void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::str
     plot_->xAxis->setRange(0, 10);
     plot_->yAxis->setRange(logarithmic ? 1e-4 : 0, 1);
   } else if (logarithmic) {
-    plot_->yAxis->setRange(plot_->yAxis->range().lower / 2, plot_->yAxis->range().upper * 2);
+    // Ticks are laid out by the decade: a value of nothing must not stretch the axis over dozens of them.
+    const double upper = plot_->yAxis->range().upper * 2;
+    plot_->yAxis->setRange(std::max(plot_->yAxis->range().lower / 2, upper * kDecades), upper);
   } else {
     plot_->yAxis->scaleRange(1.2);
   }
