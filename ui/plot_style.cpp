@@ -5,6 +5,8 @@
 namespace hl::ui {
 
 void stylePlot(QCustomPlot& plot, const QWidget& like) {
+  // Otherwise each plot repaints the window by itself, and at once.
+  plot.setPlottingHint(QCP::phImmediateRefresh, false);
   const QPalette& p = like.palette();
   const QColor ink = p.color(QPalette::Text), ground = p.color(QPalette::Base);
   QColor grid = ink;

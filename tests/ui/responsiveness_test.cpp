@@ -78,9 +78,10 @@ class ResponsivenessTest : public QObject {
 
     app().stopMeasuring();
     heartbeat.stop();
-    std::printf("heartbeat: %zu beats, p50 %.2f ms, p99 %.2f ms, worst %.2f ms late; %zu events, longest %.2f ms of thread time (%s), %zu over %.0f ms\n",
+    std::printf("heartbeat: %zu beats, p50 %.2f ms, p99 %.2f ms, worst %.2f ms late; %zu events, longest %.2f ms of thread time (%s), %zu over %.0f ms; "
+                "%.0f ms stolen by the machine's host meanwhile\n",
                 heartbeat.beats(), heartbeat.quantile(0.5), heartbeat.quantile(0.99), heartbeat.quantile(1), app().events(), app().longestEventMs(),
-                app().longestEvent().c_str(), app().eventsOver(kLimitMs), kLimitMs);
+                app().longestEvent().c_str(), app().eventsOver(kLimitMs), kLimitMs, app().stolenMs());
     QVERIFY2(app().longestEventMs() < kLimitMs, app().longestEvent().c_str());
     QVERIFY(heartbeat.quantile(0.99) < kLimitMs);
   }
@@ -95,8 +96,9 @@ class ResponsivenessTest : public QObject {
         clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
         return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
       };
-      for (const double start = spin(); spin() - start < 80;) {
-      }
+      StolenTime stolen;
+      double lost = 0;
+      for (const double start = spin(); spin() - start - lost < 100;) lost += stolen.take();
     });
     QTest::qWait(200);
     app().stopMeasuring();
