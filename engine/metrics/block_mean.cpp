@@ -50,4 +50,13 @@ BlockMean blockMean(const std::vector<double>& values, const std::vector<double>
   return result;
 }
 
+double blockNoise(const std::vector<double>& noise, const std::vector<double>& weights, int width, int height) {
+  double squares = 0, weight = 0;
+  for (const Block& block : blocksOf(noise, weights, width, height, kBlockEdge)) {
+    squares += block.sum * block.sum;
+    weight += block.weight;
+  }
+  return std::sqrt(squares) / weight;
+}
+
 }  // namespace hl

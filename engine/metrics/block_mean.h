@@ -15,6 +15,10 @@ struct BlockMean {
 /// an infinite error.
 BlockMean blockMean(const std::vector<double>& values, const std::vector<double>& weights, int width, int height);
 
+/// Standard error of the weighted mean of values whose noise `noise` has been measured: each entry is one draw of it, with mean 0 and the noise's
+/// own variance. Drawn together within a block of kBlockEdge, so that neighbours may share theirs.
+double blockNoise(const std::vector<double>& noise, const std::vector<double>& weights, int width, int height);
+
 inline constexpr int kBlockEdge = 16;
 inline constexpr size_t kFewestBlocks = 16;
 

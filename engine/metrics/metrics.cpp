@@ -82,11 +82,12 @@ struct Images {
   }
 };
 
+bool hasHalves(const ReferenceImage& reference) { return reference.halfA.pixels() > 0; }
+
 Images imagesOf(const Image& value, const ReferenceImage& reference) {
   requireSameShape(value, reference.mean, "the reference");
-  const bool hasA = reference.halfA.pixels() > 0, hasB = reference.halfB.pixels() > 0;
-  if (hasA != hasB) throw badInput("a reference has two halves or none");
-  if (!hasA) return {value, reference.mean, reference.mean, reference.mean, usedChannels(value)};
+  if (hasHalves(reference) != (reference.halfB.pixels() > 0)) throw badInput("a reference has two halves or none");
+  if (!hasHalves(reference)) return {value, reference.mean, reference.mean, reference.mean, usedChannels(value)};
   requireSameShape(value, reference.halfA, "the reference's first half");
   requireSameShape(value, reference.halfB, "the reference's second half");
   return {value, reference.mean, reference.halfA, reference.halfB, usedChannels(value)};
@@ -125,6 +126,25 @@ std::vector<double> pixelTerms(const Images& images, const std::vector<double>& 
     terms[i] /= images.channels;
   }
   return terms;
+}
+
+/// One draw of the noise that the reference puts into each pixel's term. In a squared term (t + x)(t + y), x and y the halves' noise of variance s^2,
+/// half of what it differs by from one half to the other is (x - y)(t + (x + y)/2): of variance 2 s^2 t^2 + s^4, as the term itself. What holds
+/// the mean image has its noise (x + y)/2, of which (x - y)/2 is a draw: to first order.
+std::vector<double> noiseOf(const Images& images, const std::vector<double>& weights, const ReferenceStatistics& s, Term term) {
+  constexpr double kStep = 1e-3;
+  std::vector<double> noise(weights.size(), 0.0);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] == 0) continue;
+    for (int c = 0; c < images.channels; ++c) {
+      const ChannelSample x = images.at(i, c);
+      const double step = kStep * (x.a - x.b) / 2;
+      noise[i] += (term({x.v, x.r, x.a, x.a}, s) - term({x.v, x.r, x.b, x.b}, s)) / 2;
+      noise[i] += (term({x.v, x.r + step, x.a, x.b}, s) - term({x.v, x.r - step, x.a, x.b}, s)) / (2 * kStep);
+    }
+    noise[i] /= images.channels;
+  }
+  return noise;
 }
 
 Image mapOf(const std::vector<double>& terms, const std::vector<double>& weights, double (*mapped)(double), int width,
@@ -169,7 +189,8 @@ MetricResult measure(std::string_view metric, const Image& value, const Referenc
   }
   const BlockMean mean = blockMean(terms, weights, value.width, value.height);
   result.value = mean.mean;
-  result.standardError = mean.standardError;
+  result.standardError =
+      hasHalves(reference) ? blockNoise(noiseOf(images, weights, statistics, definition.term), weights, value.width, value.height) : mean.standardError;
   if (definition.floor)
     result.noiseFloor =
         blockMean(pixelTerms(images, weights, statistics, definition.floor), weights, value.width, value.height).mean;

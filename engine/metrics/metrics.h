@@ -13,7 +13,9 @@ namespace hl {
 struct MetricResult {
   double value = 0;           ///< NaN where a pixel that counts is not finite; psnr of equal images is +infinity
   double noiseFloor = 0;      ///< the reference's own variance in the metric's unit; 0 where it does not apply
-  double standardError = 0;   ///< of `value`, over blocks of pixels; infinite where one pixel alone counts
+  /// Of `value`. Where the reference has halves: by its noise alone, that is what another run of the reference would change. Else the picture is taken
+  /// for a sample, over blocks of pixels; then it is infinite where one pixel alone counts.
+  double standardError = 0;
   uint64_t pixels = 0;        ///< that counted
   uint64_t nonFinite = 0;     ///< pixels that count with NaN or Inf in either image: any fails the comparison
   double epsilon = 0;         ///< as used by relmse and smape
@@ -24,7 +26,7 @@ struct MetricResult {
 /// A reference as one image, or as two independent half-budget images whose mean it is.
 struct ReferenceImage {
   Image mean;
-  Image halfA, halfB;  ///< empty: the reference's variance is unknown, and the noise floor is 0
+  Image halfA, halfB;  ///< empty: the reference's variance is unknown, and the noise floor is 0. Their noise is independent from pixel to pixel.
 };
 
 struct MetricInfo {

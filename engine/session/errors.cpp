@@ -6,24 +6,6 @@
 namespace hl {
 namespace {
 
-/// Adds emission and multiplies irradiance by albedo / pi, as the composite pass does; where nothing is seen, the sky.
-Image composite(const Image& direct, const Image& indirect, const Image& albedo, const Image& emission, const Image& position, vec3 sky) {
-  Image out(direct.width, direct.height, 3);
-  for (size_t i = 0; i < out.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) {
-      const float e = direct.data[i * static_cast<size_t>(direct.channels) + c] + indirect.data[i * static_cast<size_t>(indirect.channels) + c];
-      const bool surface = position.data[i * 4 + 3] != 0;
-      out.data[i * 3 + c] = surface ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : sky[static_cast<int>(c)];
-    }
-  return out;
-}
-
-Mask surfaceMask(const Image& position) {
-  Mask mask(position.pixels());
-  for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
-  return mask;
-}
-
 bool anySet(const Mask& mask) {
   for (const unsigned char m : mask)
     if (m) return true;
@@ -61,31 +43,32 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
     Image value(static_cast<int>(lightmap.size()), 1, 3);
     for (size_t i = 0; i < lightmap.size(); ++i)
       for (size_t c = 0; c < 3; ++c) value.data[i * 3 + c] = lightmap[i][static_cast<int>(c)];
+    MeasureOptions byArea;
+    for (const Lumel& l : s.atlas->lumels) byArea.weights.push_back(l.area);
     for (const std::string& m : metrics)
-      out.push_back(valueOf(measure(m, value, s.lightmapRun.result->indirectImage(bounces)), m, "matched", "lightmap", "indirect", ""));
+      out.push_back(valueOf(measure(m, value, s.lightmapRun.result->indirectImage(bounces), byArea), m, "matched", "lightmap", "indirect", ""));
     return out;
   }
   if (target != "image") throw badInput(fmt::format("error target '{}': it is image or lightmap", target));
   if (!s.full.result) return out;
-  const Image position = s.device.download(s.gbuffer.position), albedo = s.device.download(s.gbuffer.albedo);
-  const Image emission = s.device.download(s.gbuffer.emission), direct = s.device.download(s.directImage);
-  const Image indirect = s.indirectImage ? s.device.download(s.indirectImage) : Image(position.width, position.height, 4);
-  const Mask mask = surfaceMask(position);
+  const SurfaceImages surfaces = s.surfaceImages();
+  const Image direct = s.device.download(s.directImage), indirect = s.indirectIrradiance();
+  const Mask mask = surfaces.mask();
   if (!anySet(mask)) return out;
-  const Image final = composite(direct, indirect, albedo, emission, position, s.scene->sky);
+  const Image final = surfaces.composite(direct, indirect);
   for (const bool matched : {true, false}) {
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     const char* name = matched ? "matched" : "full";
     const ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
     const ReferenceImage sun = run.result->directImage();
-    const auto whole = [&](const Image& d, const Image& i) { return composite(d, i, albedo, emission, position, s.scene->sky); };
-    const ReferenceImage truthFinal{whole(sun.mean, truth.mean), whole(sun.halfA, truth.halfA), whole(sun.halfB, truth.halfB)};
+    const ReferenceImage truthFinal{surfaces.composite(sun.mean, truth.mean), surfaces.composite(sun.halfA, truth.halfA),
+                                    surfaces.composite(sun.halfB, truth.halfB)};
     for (const std::string& m : metrics) {
       out.push_back(valueOf(measure(m, indirect, truth, mask), m, name, "image", "indirect", ""));
       out.push_back(valueOf(measure(m, final, truthFinal, mask), m, name, "image", "final", ""));
       for (const Region& region : s.scene->regions) {
-        const Mask part = within(mask, region, position.width, position.height);
+        const Mask part = within(mask, region, direct.width, direct.height);
         if (anySet(part)) out.push_back(valueOf(measure(m, indirect, truth, part), m, name, "image", "indirect", region.name));
       }
     }
@@ -99,10 +82,9 @@ Image Session::errorMap(const std::string& metric, const std::string& reference)
   const bool matched = reference == "matched";
   const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
   if (!run.result) throw badInput("error map: there is no reference yet");
-  const Image position = s.device.download(s.gbuffer.position);
-  const Image indirect = s.indirectImage ? s.device.download(s.indirectImage) : Image(position.width, position.height, 4);
-  const Mask mask = surfaceMask(position);
-  if (!anySet(mask)) return Image(position.width, position.height, 1);
+  const Image indirect = s.indirectIrradiance();
+  const Mask mask = s.surfaceImages().mask();
+  if (!anySet(mask)) return Image(indirect.width, indirect.height, 1);
   const ReferenceImage truth = run.result->indirectImage(matched ? s.technique->transport().bounces : s.fullBounces());
   return measure(metric, indirect, truth, mask, true).map;
 }

@@ -22,11 +22,34 @@ Image withoutAlpha(Image in) {
 
 }  // namespace
 
+Mask SurfaceImages::mask() const {
+  Mask mask(position.pixels());
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = seen(i);
+  return mask;
+}
+
+Image SurfaceImages::composite(const Image& direct, const Image& indirect) const {
+  Image out(direct.width, direct.height, 3);
+  for (size_t i = 0; i < out.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      const float e = direct.data[i * static_cast<size_t>(direct.channels) + c] + indirect.data[i * static_cast<size_t>(indirect.channels) + c];
+      out.data[i * 3 + c] = seen(i) ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : sky[static_cast<int>(c)];
+    }
+  return out;
+}
+
+SurfaceImages Session::Impl::surfaceImages() {
+  return {device.download(gbuffer.position), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
+}
+
+Image Session::Impl::indirectIrradiance() {
+  return indirectImage ? device.download(indirectImage) : Image(gbuffer.width, gbuffer.height, 4);
+}
+
 Image Session::Impl::linearImage(const std::string& name) {
-  const Image none(gbuffer.width, gbuffer.height, 3);
   if (name == "final") return withoutAlpha(device.download(finalImage));
   if (name == "indirect" || name == "indirect_irradiance") {
-    Image irradiance = indirectImage ? withoutAlpha(device.download(indirectImage)) : none;
+    Image irradiance = withoutAlpha(indirectIrradiance());
     if (name == "indirect_irradiance") return irradiance;
     const Image albedo = device.download(gbuffer.albedo);
     for (size_t i = 0; i < irradiance.pixels(); ++i)
@@ -42,18 +65,7 @@ Image Session::Impl::linearImage(const std::string& name) {
     if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
     return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(fullBounces()).mean;
   }
-  if (name == "reference") {
-    Image sum = linearImage("reference_direct");
-    const Image indirect = linearImage("reference_indirect"), albedo = device.download(gbuffer.albedo);
-    const Image emission = device.download(gbuffer.emission), position = device.download(gbuffer.position);
-    for (size_t i = 0; i < sum.pixels(); ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        const float e = sum.data[i * 3 + c] + indirect.data[i * 3 + c];
-        const bool surface = position.data[i * 4 + 3] != 0;
-        sum.data[i * 3 + c] = surface ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : scene->sky[static_cast<int>(c)];
-      }
-    return sum;
-  }
+  if (name == "reference") return surfaceImages().composite(linearImage("reference_direct"), linearImage("reference_indirect"));
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
   std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission",
@@ -80,15 +92,12 @@ void Session::Impl::showHostView(FrameResult& result) {
     result.display = toneMapOnHost(linearImage(id), preset.display);
     return;
   }
-  const Image position = device.download(gbuffer.position);
-  const Image irradiance = indirectImage ? device.download(indirectImage) : Image(position.width, position.height, 4);
-  Mask mask(position.pixels());
-  for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
+  const Mask mask = surfaceImages().mask();
   if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
   const bool againstFull = id == "error_full";
   const ReferenceRun& run = !againstFull && matched.result ? matched : full;
   const int bounces = againstFull ? fullBounces() : technique->transport().bounces;
-  const Image map = measure("relmse", irradiance, run.result->indirectImage(bounces), mask, true).map;
+  const Image map = measure("relmse", indirectIrradiance(), run.result->indirectImage(bounces), mask, true).map;
   std::vector<float> sorted;
   for (const float v : map.data)
     if (std::isfinite(v)) sorted.push_back(std::abs(v));

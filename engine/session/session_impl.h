@@ -21,6 +21,17 @@ struct ReferenceRun {
   std::string key;                                ///< of the settings and receivers it was started with
 };
 
+/// What the host needs of the G-buffer to see a picture as the composite pass does. Images have 4 channels.
+struct SurfaceImages {
+  Image position, albedo, emission;
+  vec3 sky{0.0f};
+
+  bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
+  Mask mask() const;
+  /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
+  Image composite(const Image& direct, const Image& indirect) const;
+};
+
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
 
@@ -107,6 +118,8 @@ struct Session::Impl {
   ReferenceSettings referenceSettings(bool matchedPaths) const;
 
   // images.cpp
+  SurfaceImages surfaceImages();
+  Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   void showHostView(FrameResult&);
   Image linearImage(const std::string& view);
 };
