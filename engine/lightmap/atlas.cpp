@@ -10,6 +10,7 @@
 
 #include "engine/lightmap/charts.h"
 #include "engine/lightmap/coverage.h"
+#include "engine/lightmap/open_part.h"
 #include "engine/lightmap/pack.h"
 
 namespace hl {
@@ -166,13 +167,16 @@ Layout chooseLayout(const Scene& scene, const AtlasSettings& settings, TaskPool&
 
 }  // namespace
 
-Atlas buildAtlas(const Scene& scene, const AtlasSettings& settings, TaskPool& pool, Progress& progress,
-                 const std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)>& findInside) {
+Atlas buildAtlas(const Scene& scene, const AtlasSettings& settings, TaskPool& pool, Progress& progress, const FindInside& findInside) {
   progress.begin("lightmap atlas", static_cast<uint64_t>(settings.resolution + 7) / 8);
   Layout layout = chooseLayout(scene, settings, pool, progress);
-  const Coverage& coverage = layout.coverage;
+  Coverage& coverage = layout.coverage;
   std::vector<uint8_t> inside(coverage.lumels.size(), 0);
-  if (findInside && !coverage.lumels.empty()) findInside(coverage.lumels, inside);
+  if (findInside && !coverage.lumels.empty()) {
+    findInside(coverage.lumels, inside);
+    progress.check();
+    layout.report.openedTexels = openCoveredTexels(scene, layout.uvs, settings.resolution, coverage.lumels, inside, findInside, progress);
+  }
   progress.check();
 
   Atlas atlas;

@@ -18,9 +18,9 @@ struct AtlasSettings {
 
 /// A texel with any covered area, one-sided: the front of the surface. Its texel index is y * resolution + x, row 0 at v = 0.
 struct Lumel {
-  vec3 position{0.0f};   ///< centroid of the covered part (world)
+  vec3 position{0.0f};   ///< centroid of the covered part, as far as it is in the open (world)
   vec3 normal{0.0f};     ///< geometric normal at the centroid's triangle, unit
-  float area = 0;        ///< exact covered world area [m^2]: triangles clipped to the texel
+  float area = 0;        ///< exact covered world area [m^2]: triangles clipped to the texel; of one opened, the open share of it
   uint32_t texel = 0;
   uint32_t triangle = 0; ///< the triangle that covers the centroid (or the largest part)
   vec3 albedo{0.0f};     ///< area-weighted mean, textures included
@@ -33,6 +33,7 @@ struct AtlasReport {
   int margin = 0;                ///< texels kept free round own charts: less than asked where that cost too much density
   uint64_t droppedCharts = 0;    ///< own charts for which no texel was left (the resolution is too small)
   uint64_t coveredTexels = 0, validTexels = 0, overlappingTexels = 0, insideTexels = 0;
+  uint64_t openedTexels = 0;     ///< valid ones with the centroid inside other geometry and a part in the open
   double coverage = 0;           ///< covered / all
   double densityMean = 0, densitySpread = 0;  ///< texels per metre: mean and relative standard deviation over triangles
   double area = 0, uncoveredArea = 0;         ///< world area [m^2]: of the scene; of triangles that reach no texel
@@ -49,8 +50,10 @@ struct Atlas {
 };
 enum TexelState : uint8_t { TexelEmpty = 0, TexelValid = 1, TexelInside = 2, TexelOverlap = 3 };
 
-/// `occluded(position, normal)` tells whether a point just in front of the surface lies inside other geometry (texels marked TexelInside); may be empty.
-Atlas buildAtlas(const Scene&, const AtlasSettings&, TaskPool&, Progress&,
-                 const std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)>& findInside = {});
+/// Tells of each lumel whether a point just in front of it lies inside other geometry: 1, or 0.
+using FindInside = std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)>;
+
+/// Texels that `findInside` (may be empty) finds covered are marked TexelInside and left out; those covered in part keep the part in the open.
+Atlas buildAtlas(const Scene&, const AtlasSettings&, TaskPool&, Progress&, const FindInside& findInside = {});
 
 }  // namespace hl

@@ -7,8 +7,7 @@ namespace {
 constexpr size_t kGrain = 256;  ///< texels a piece: batches of 8192 rays
 }
 
-std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)> insideTest(const Scene& scene, TaskPool& pool, float offset,
-                                                                                        CastClosest cast) {
+FindInside insideTest(const Scene& scene, TaskPool& pool, float offset, CastClosest cast) {
   return [&scene, &pool, offset, cast = std::move(cast)](const std::vector<Lumel>& lumels, std::vector<uint8_t>& inside) {
     inside.assign(lumels.size(), 0);
     pool.parallelFor(lumels.size(), kGrain, [&](size_t begin, size_t end, unsigned) {

@@ -19,7 +19,6 @@ using CastClosest = std::function<void(std::span<const shared::Ray>, std::span<s
 
 /// The test for buildAtlas. `offset` [m]: how far in front of the surface rays start. Keeps references to `scene` and `pool`.
 /// The back of a two-sided material does not count: one may stand behind a leaf.
-std::function<void(const std::vector<Lumel>&, std::vector<uint8_t>& inside)> insideTest(const Scene& scene, TaskPool& pool, float offset,
-                                                                                        CastClosest cast);
+FindInside insideTest(const Scene& scene, TaskPool& pool, float offset, CastClosest cast);
 
 }  // namespace hl

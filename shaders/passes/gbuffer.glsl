@@ -19,14 +19,23 @@ vec3 pixelDirection(vec2 at) {
   return camera.forward + onImage.x * camera.right + onImage.y * camera.down;
 }
 
-/// Barycentrics of the meeting point, moved onto the triangle where the pixel's centre lies just beside it (the rasteriser rounds corners to a
-/// fraction of a pixel).
+/// How far inside its triangle a surface point stays, as a share of the largest coordinate: some ten times what single precision rounds. On the very
+/// edge, where two walls meet, a point can come to lie behind the other wall, in the dark.
+const float kEdgeGap = 4e-6;
+
+/// Barycentrics of the meeting point, moved into the triangle where the pixel's centre lies on its edge or just beside it (the rasteriser rounds
+/// corners to a fraction of a pixel).
 vec2 meet(Triangle t, vec3 direction) {
   const vec3 a = t.p1 - t.p0, b = t.p2 - t.p0;
   const vec3 p = cross(direction, b), fromCorner = camera.origin - t.p0;
   const float determinant = dot(a, p);
   if (determinant == 0.0) return vec2(1.0 / 3.0);
-  const vec2 bary = max(vec2(dot(fromCorner, p), dot(direction, cross(fromCorner, a))) / determinant, vec2(0.0));
-  return bary / max(bary.x + bary.y, 1.0);
+  const vec2 bary = vec2(dot(fromCorner, p), dot(direction, cross(fromCorner, a))) / determinant;
+  const vec3 largest = max(abs(t.p0), max(abs(t.p1), abs(t.p2)));
+  const float gap = kEdgeGap * max(largest.x, max(largest.y, largest.z));
+  const vec3 heights = length(cross(a, b)) / max(vec3(length(a - b), length(b), length(a)), vec3(1e-30));
+  const vec3 inset = min(gap / max(heights, vec3(1e-30)), vec3(0.1));
+  const vec3 inside = max(vec3(1.0 - bary.x - bary.y, bary), inset);
+  return inside.yz / (inside.x + inside.y + inside.z);
 }
 #endif

@@ -172,4 +172,10 @@ inline ReferenceImage bucketOf(const ReferenceResult& r, size_t bucket) {
   return i;
 }
 
+inline PointLight pointLight(vec3 position, float candela) {
+  PointLight l;
+  l.position = position, l.intensity = vec3(candela);
+  return l;
+}
+
 }  // namespace hl::test

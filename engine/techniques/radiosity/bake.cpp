@@ -313,6 +313,7 @@ void RadiosityBake::recordImages(FrameGraph& graph) {
         .bind("chartOfTexel", chartOfTexel_, Access::Read)
         .bind("from", ring % 2 == 0 ? lightmap_ : spare_, Access::Read)
         .bind("to", ring % 2 == 0 ? spare_ : lightmap_, Access::Write)
+        .specialize("kFirstRing", ring == 0)
         .dispatchThreads(side, side);
   }
 }
