@@ -171,6 +171,9 @@ TEST(RadiosityApply, DilationCarriesTheSlopeOnAndThenTakesTheMean) {
     // The same on the host, from the definition.
     std::vector<vec4> values(static_cast<size_t>(side * side), vec4(0.0f));
     for (size_t i = 0; i < e.size(); ++i) values[h.atlas.lumels[i].texel] = vec4(e[i].x, e[i].y, e[i].z, 1);
+    const auto chartAt = [&](int x, int y) {
+      return h.atlas.charts[h.atlas.lumels[h.atlas.lumelOfTexel[static_cast<size_t>(y * side + x)]].triangle];
+    };
     for (int ring = 0; ring < rings; ++ring) {
       std::vector<vec4> next = values;
       for (int y = 0; y < side; ++y) {
@@ -183,7 +186,7 @@ TEST(RadiosityApply, DilationCarriesTheSlopeOnAndThenTakesTheMean) {
           for (int dy = -1; dy <= 1; ++dy) {
             for (int dx = -1; dx <= 1; ++dx) {
               const vec4 next1 = at(x + dx, y + dy), next2 = at(x + 2 * dx, y + 2 * dy);
-              const bool slope = ring == 0 && next1.w > 0 && next2.w > 0;
+              const bool slope = ring == 0 && next1.w > 0 && next2.w > 0 && chartAt(x + dx, y + dy) == chartAt(x + 2 * dx, y + 2 * dy);
               sum += slope ? vec4(glm::max(2.0f * vec3(next1.x, next1.y, next1.z) - vec3(next2.x, next2.y, next2.z), vec3(0.0f)), 1.0f) : next1;
             }
           }
