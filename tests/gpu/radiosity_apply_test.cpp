@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "engine/scene/scene_file.h"
 #include "tests/technique_harness.h"
@@ -183,10 +184,14 @@ TEST(RadiosityApply, DilationCarriesTheSlopeOnAndThenTakesTheMean) {
           const auto at = [&](int u, int v) {
             return u >= 0 && v >= 0 && u < side && v < side ? values[static_cast<size_t>(v * side + u)] : vec4(0.0f);
           };
+          std::set<uint32_t> charts;
+          for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx)
+              if (ring == 0 && at(x + dx, y + dy).w > 0) charts.insert(chartAt(x + dx, y + dy));
           for (int dy = -1; dy <= 1; ++dy) {
             for (int dx = -1; dx <= 1; ++dx) {
               const vec4 next1 = at(x + dx, y + dy), next2 = at(x + 2 * dx, y + 2 * dy);
-              const bool slope = ring == 0 && next1.w > 0 && next2.w > 0 && chartAt(x + dx, y + dy) == chartAt(x + 2 * dx, y + 2 * dy);
+              const bool slope = charts.size() == 1 && next1.w > 0 && next2.w > 0 && chartAt(x + dx, y + dy) == chartAt(x + 2 * dx, y + 2 * dy);
               sum += slope ? vec4(glm::max(2.0f * vec3(next1.x, next1.y, next1.z) - vec3(next2.x, next2.y, next2.z), vec3(0.0f)), 1.0f) : next1;
             }
           }
