@@ -119,6 +119,10 @@ void measureRun(Session& session, const RenderOptions& o, RunResults& results, P
   }
 }
 
+bool wantsImageErrors(const RenderOptions& o) {
+  return !o.metrics.empty() && std::find(o.errorTargets.begin(), o.errorTargets.end(), "image") != o.errorTargets.end();
+}
+
 uint64_t nonFinitePixels(const std::vector<ErrorValue>& errors) {
   uint64_t most = 0;
   for (const ErrorValue& e : errors) most = std::max(most, e.nonFinite);
@@ -138,6 +142,11 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
 
   RunResults results;
   try {
+    // With the truth at hand from the start, the error is followed while the technique works.
+    if (!o.frames && wantsImageErrors(o)) {
+      session.reference("image", progress.get());
+      session.setReferenceWanted(true);
+    }
     results.frame = o.frames ? renderFrames(session, *o.frames, *progress) : session.settle(progress.get());
     if (!o.metrics.empty()) measureRun(session, o, results, *progress);
   } catch (const Error& e) {

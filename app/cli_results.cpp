@@ -94,7 +94,9 @@ std::string resultsJson(const RunResults& r) {
       .member("median", f.frameTime.medianMs)
       .member("p5", f.frameTime.p5Ms)
       .member("p95", f.frameTime.p95Ms)
+      .member("unaccounted_share", f.unaccounted)
       .endObject();
+  w.key("work").beginObject().member("ms", f.workMs).member("units", f.workUnits).endObject();
   w.key("passes").beginArray();
   for (const PassStatistics& p : f.passes) writePass(w, p, "frame");
   for (const PassStatistics& p : f.workPasses) writePass(w, p, "work");
@@ -123,10 +125,13 @@ std::string resultsJson(const RunResults& r) {
 
 std::string resultsText(const RunResults& r) {
   const FrameResult& f = *r.frame;
+  constexpr double kUnaccountedLimit = 0.1;
   std::string out = fmt::format("{}, {}, {}x{}, {} frames on {}, rays by {}\n", f.preset.scene, f.preset.technique,
                                 f.width, f.height, f.frame, f.provenance.device, f.provenance.tracer);
   out += fmt::format("frame {:.2f} ms (p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.p5Ms,
                      f.frameTime.p95Ms, f.provenance.timing == "serialised" ? ", raster passes timed apart" : "");
+  if (f.unaccounted > kUnaccountedLimit) out += fmt::format("{:.0f} % of the frame is in no pass\n", 100 * f.unaccounted);
+  if (f.workUnits > 0) out += fmt::format("work {:.2f} s in {} units\n", f.workMs / 1000, f.workUnits);
   out += fmt::format("  {:<40} {:<4} {:>9} {:>9} {:>9}\n", "pass", "", "median ms", "p5", "p95");
   for (const PassStatistics& p : f.passes) out += passLine(p);
   if (!f.workPasses.empty()) out += "of each unit of work\n";

@@ -123,6 +123,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   s.showHostView(r);
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
+  r.unaccounted = s.frameProfiler.unaccounted();
+  r.workMs = s.workMs, r.workUnits = s.workUnitsTimed;
   r.passes = s.frameProfiler.passes();
   r.workPasses = s.workProfiler.passes();
   r.lastPasses = timings.passes;
@@ -173,6 +175,7 @@ std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {
   while (!s.workSettled()) {
     p.check();
     s.runWork(1000, p);
+    if (s.referenceWanted && s.full.result && !s.workSettled()) result = frame(&p);  // a point of the error over time
   }
   p.check();
   const double start = nowMs();

@@ -63,6 +63,9 @@ struct FrameResult {
   std::string displayHash;
   std::string view;
   PassStatistics frameTime;
+  double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
+  double workMs = 0;                 ///< that units of long work have taken since the reset
+  uint64_t workUnits = 0;            ///< ... and how many
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
