@@ -8,8 +8,8 @@ namespace hl {
 
 inline constexpr uint32_t kPacketRays = 16;
 
-/// Rays as in shared::Ray, finite and with directions that are not zero; hits as in shared::Hit, with u and v undefined for a miss.
-/// Meant for rays that start close to each other and go the same way; others are cast at a third of the rate of a batch.
+/// Rays as in shared::Ray, finite and with directions that are not zero; hits as in shared::Hit, of which a miss defines the primitive alone.
+/// Meant for rays that start close to each other and go the same way; others are cast at a third to a half of the rate of a batch.
 struct alignas(64) RayPacket {
   using Floats = std::array<float, kPacketRays>;
   Floats originX, originY, originZ, tMin, directionX, directionY, directionZ, tMax;

@@ -1,11 +1,12 @@
 // How fast the radiosity bake casts its rays against the tracer alone on the very same rays, interleaved.
 //
-//   bench_bake_rays_bench [UNITS [STRIDE [RESOLUTION [SCENE [TRACER]]]]]
+//   bench_bake_rays_bench [UNITS [STRIDE [RESOLUTION [SCENE [TRACER [buffers]]]]]]
 //
 // A first run of the bake keeps the rays of every STRIDE-th unit of the first bounce. The second run does each of those units as
 // the bake runs it, and right before or after it, in changing order, the tracer alone casts that unit's rays: as a batch of any
 // rays, and in the very packets that the bake casts (where it does). Wall-clock time and the process's own CPU time: what other
-// processes take of the machine is in the first alone.
+// processes take of the machine is in the first alone. With `buffers` the bake does its units in shaders, round batches of rays, even
+// where the host casts them.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -39,9 +40,9 @@ struct Packet {
 /// Casts with another tracer and remembers the last batch of closest hits, or the packets.
 class WatchedTracer final : public Tracer {
  public:
-  explicit WatchedTracer(std::unique_ptr<Tracer> tracer) : tracer_(std::move(tracer)) {}
+  WatchedTracer(std::unique_ptr<Tracer> tracer, bool buffers) : tracer_(std::move(tracer)), buffers_(buffers) {}
   const char* id() const override { return tracer_->id(); }
-  bool onHost() const override { return tracer_->onHost(); }
+  bool onHost() const override { return !buffers_ && tracer_->onHost(); }
   void record(FrameGraph& graph, const std::string& name, const Buffer& rays, const Buffer& out, uint32_t count, Query query) override {
     if (query == Query::Closest) lastRays = rays, lastCount = count;
     tracer_->record(graph, name, rays, out, count, query);
@@ -67,6 +68,7 @@ class WatchedTracer final : public Tracer {
 
  private:
   std::unique_ptr<Tracer> tracer_;
+  bool buffers_;
   mutable std::mutex mutex_;
   mutable std::map<std::thread::id, std::vector<Packet>> packets_;
 };
@@ -146,7 +148,7 @@ struct Unit {
   std::vector<Packet> packets;
 };
 
-void run(size_t wanted, uint64_t stride, int resolution, const std::string& sceneName, const std::string& tracerId) {
+void run(size_t wanted, uint64_t stride, int resolution, const std::string& sceneName, const std::string& tracerId, bool buffers) {
   const Scene scene = loadScene(sceneName);
   const SceneFeatures features = sceneFeatures(scene);
   Device device{DeviceOptions{}};
@@ -155,7 +157,7 @@ void run(size_t wanted, uint64_t stride, int resolution, const std::string& scen
   Progress progress;
   const GpuScene gpuScene = uploadScene(device, scene);
   const auto embree = std::make_shared<EmbreeScene>(scene);
-  WatchedTracer tracer(makeTracer(tracerId, device, shaders, scene, gpuScene, embree, pool));
+  WatchedTracer tracer(makeTracer(tracerId, device, shaders, scene, gpuScene, embree, pool), buffers);
   DirectLight directLight(device, shaders, gpuScene, tracer);
   LightmapParams lightmap;
   lightmap.resolution = resolution;
@@ -255,7 +257,7 @@ int main(int argc, char** argv) {
   try {
     const auto number = [&](int i, int otherwise) { return argc > i ? std::atoi(argv[i]) : otherwise; };
     const auto text = [&](int i, const char* otherwise) { return argc > i ? argv[i] : otherwise; };
-    hl::run(static_cast<size_t>(number(1, 60)), static_cast<uint64_t>(std::max(1, number(2, 4))), number(3, 512), text(4, "sponza"), text(5, "embree"));
+    hl::run(static_cast<size_t>(number(1, 60)), static_cast<uint64_t>(std::max(1, number(2, 4))), number(3, 512), text(4, "sponza"), text(5, "embree"), argc > 6);
   } catch (const std::exception& e) {
     fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -11,8 +11,7 @@
 namespace hl {
 namespace {
 
-// Rays that a unit casts. On the host, twice as many for the same time (some 20 ms on two cores in a large scene), which leaves less of it between units.
-constexpr uint32_t kUnitRays = 1u << 17, kUnitRaysOnHost = 1u << 18;
+constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 30 ms on two cores in a large scene
 constexpr uint32_t kUnitCached = 1u << 21;      ///< remembered rays that a unit reads back
 constexpr uint32_t kUnitLumels = 1u << 15;      ///< at most, however few samples each has
 constexpr uint32_t kDirectRays = 1u << 17;      ///< shadow rays a unit casts
@@ -30,7 +29,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   const auto samples = static_cast<uint32_t>(params.samples);
   // Elsewhere the host would have to be given a copy of the whole cache.
   const bool onHost = scene.tracer.onHost() && device_.isCpu();
-  castLumels_ = std::clamp((onHost ? kUnitRaysOnHost : kUnitRays) / samples, 1u, kUnitLumels);
+  castLumels_ = std::clamp(kUnitRays / samples, 1u, kUnitLumels);
   cachedLumels_ = std::clamp(kUnitCached / samples, 1u, kUnitLumels);
   checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
   checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
