@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,26 @@ struct FilterData {
   const Scene* scene = nullptr;
   const std::vector<uint32_t>* triangles = nullptr;
 };
+
+/// Lanes of a packet without a ray, and what every ray has besides what its maker says.
+constexpr RayPacket::Floats kZeros{};
+constexpr std::array<unsigned, kPacketRays> filled(unsigned value) {
+  std::array<unsigned, kPacketRays> all{};
+  all.fill(value);
+  return all;
+}
+constexpr std::array<unsigned, kPacketRays> kNoBits = filled(0), kAllBits = filled(~0u);
+
+template <class T, class U>
+void copyLanes(T (&to)[kPacketRays], const std::array<U, kPacketRays>& from) {
+  static_assert(sizeof(T) == sizeof(U));
+  std::memcpy(to, from.data(), sizeof to);
+}
+template <class T, class U>
+void copyLanes(std::array<T, kPacketRays>& to, const U (&from)[kPacketRays]) {
+  static_assert(sizeof(T) == sizeof(U));
+  std::memcpy(to.data(), from, sizeof from);
+}
 
 }  // namespace
 
@@ -210,6 +231,28 @@ void EmbreeScene::closest(std::span<const shared::Ray> rays, std::span<shared::H
     rtcIntersect1M(impl_->scene, &context, stream.data(), static_cast<unsigned>(n), sizeof(RTCRayHit));
     for (size_t i = 0; i < n; ++i) hits[first + i] = impl_->fromEmbree(stream[i]);
   }
+}
+
+void EmbreeScene::closest(RayPacket& p, size_t count) const {
+  RTCRayHit16 q;
+  alignas(64) std::array<int, kPacketRays> valid;
+  for (size_t i = 0; i < kPacketRays; ++i) {
+    q.ray.tnear[i] = std::max(p.tMin[i], 0.0f);
+    q.ray.tfar[i] = p.tMax[i];
+    valid[i] = (i < count) & (q.ray.tnear[i] <= q.ray.tfar[i]) ? -1 : 0;
+  }
+  copyLanes(q.ray.org_x, p.originX), copyLanes(q.ray.org_y, p.originY), copyLanes(q.ray.org_z, p.originZ);
+  copyLanes(q.ray.dir_x, p.directionX), copyLanes(q.ray.dir_y, p.directionY), copyLanes(q.ray.dir_z, p.directionZ);
+  copyLanes(q.ray.time, kZeros), copyLanes(q.ray.mask, kAllBits);
+  copyLanes(q.ray.id, kNoBits), copyLanes(q.ray.flags, kNoBits);
+  copyLanes(q.hit.geomID, kAllBits), copyLanes(q.hit.instID[0], kAllBits);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(valid.data(), impl_->scene, &context, &q);
+  copyLanes(p.t, q.ray.tfar), copyLanes(p.u, q.hit.u), copyLanes(p.v, q.hit.v);
+  for (size_t i = 0; i < kPacketRays; ++i)
+    p.primitive[i] = q.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? shared::kMiss : impl_->sceneTriangle(q.hit.geomID[i], q.hit.primID[i]);
 }
 
 void EmbreeScene::occluded(std::span<const shared::Ray> rays, std::span<uint32_t> out) const {

@@ -6,6 +6,7 @@
 #include "engine/core/progress.h"
 #include "engine/core/task_pool.h"
 #include "engine/scene/scene.h"
+#include "engine/trace/ray_packet.h"
 #include "shaders/shared/ray.h"
 
 namespace hl {
@@ -23,6 +24,8 @@ class EmbreeScene {
   /// Batches on this thread, coherent or not.
   void closest(std::span<const shared::Ray>, std::span<shared::Hit>) const;
   void occluded(std::span<const shared::Ray>, std::span<uint32_t>) const;
+  /// The packet's first `count` rays, on this thread.
+  void closest(RayPacket&, size_t count) const;
   const Scene& scene() const { return scene_; }
   uint64_t bytes() const;  ///< what Embree and this hold
 

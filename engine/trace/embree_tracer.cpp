@@ -33,6 +33,9 @@ class EmbreeTracer final : public Tracer {
         });
   }
 
+  bool onHost() const override { return true; }
+  void closest(RayPacket& packet, size_t count) const override { scene_->closest(packet, count); }
+
   std::vector<std::pair<std::string, uint64_t>> memory() const override { return {{"embree: tree", scene_->bytes()}}; }
 
  private:

@@ -22,6 +22,10 @@ void checkSize(const std::string& pass, const Buffer& buffer, uint64_t needed) {
 
 }  // namespace
 
+void Tracer::closest(RayPacket&, size_t) const {
+  throw Error(ErrorKind::Run, std::string("tracer ") + id() + " casts no rays on the host");
+}
+
 void checkBatch(const std::string& pass, const Buffer& rays, const Buffer& out, uint32_t count, Query query) {
   if (count == 0) return;
   checkSize(pass, rays, uint64_t{count} * sizeof(shared::Ray));

@@ -10,6 +10,7 @@
 #include "engine/scene/gpu_scene.h"
 #include "engine/scene/scene.h"
 #include "engine/trace/embree_scene.h"
+#include "engine/trace/ray_packet.h"
 
 namespace hl {
 
@@ -22,6 +23,10 @@ class Tracer {
   /// Adds the pass `name` to the graph. rays: `count` shared::Ray. Closest: `out` holds `count` shared::Hit. Any: `out` holds `count` uints, 1 where
   /// something lies between tMin and tMax, else 0. Alpha-tested surfaces count only where they are opaque.
   virtual void record(FrameGraph&, const std::string& name, const Buffer& rays, const Buffer& out, uint32_t count, Query) = 0;
+  /// Whether rays are cast on the host. Then a host pass may cast its own by closest(), and spare the buffers.
+  virtual bool onHost() const { return false; }
+  /// Closest hits of the packet's first `count` rays, at once. Thread-safe. @throws Error(Run) where rays are not cast on the host
+  virtual void closest(RayPacket&, size_t count) const;
   virtual std::vector<std::pair<std::string, uint64_t>> memory() const { return {}; }
 };
 

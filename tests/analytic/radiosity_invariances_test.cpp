@@ -106,16 +106,19 @@ TEST(RadiosityInvariance, SlicesCacheAndRestartsChangeNoBit) {
   EXPECT_EQ(h.counter("back_face_hits"), backFaces);
   EXPECT_EQ(h.counter("hits_without_texel"), withoutTexel);
 
-  // No cache, and one that holds a part of the texels.
-  for (const char* megabytes : {"0", "1"}) {
-    TechniqueHarness other("radiosity", scene);
-    small(other, "96");
-    other.set("radiosity.hit_cache_mb", megabytes);
-    const std::vector<vec3> parts = other.bake();
-    TechniqueHarness whole("radiosity", scene);
-    small(whole, "96");
-    EXPECT_TRUE(sameBits(whole.bake(), parts)) << megabytes << " MiB";
-    EXPECT_EQ(whole.counter("back_face_hits"), other.counter("back_face_hits"));
+  // No cache, and one that holds a part of the texels; by either way of casting, and with samples that leave a packet part empty.
+  for (const char* tracer : {"embree", "bvh"}) {
+    TechniqueHarness whole("radiosity", scene, tracer);
+    small(whole, "96", "100");
+    const std::vector<vec3> all = whole.bake();
+    for (const char* megabytes : {"0", "1"}) {
+      TechniqueHarness other("radiosity", scene, tracer);
+      small(other, "96", "100");
+      other.set("radiosity.hit_cache_mb", megabytes);
+      EXPECT_TRUE(sameBits(all, other.bake())) << tracer << " " << megabytes << " MiB";
+      EXPECT_EQ(whole.counter("back_face_hits"), other.counter("back_face_hits"));
+      EXPECT_EQ(whole.counter("hits_without_texel"), other.counter("hits_without_texel"));
+    }
   }
 }
 
@@ -135,8 +138,14 @@ TEST(RadiosityInvariance, TracersAgree) {
   TechniqueHarness embree("radiosity", scene), bvh("radiosity", scene, "bvh");
   small(embree, "32", "64");
   small(bvh, "32", "64");
-  const double a = embree.meanLuminance(embree.bake()), b = bvh.meanLuminance(bvh.bake());
-  EXPECT_NEAR(b / a, 1, 1e-4);
+  const std::vector<vec3> a = embree.bake(), b = bvh.bake();
+  EXPECT_NEAR(bvh.meanLuminance(b) / embree.meanLuminance(a), 1, 1e-4);
+  // The one makes and uses its rays on the host, the other on the device: but for rays that round to the texel next door they are the same.
+  double squares = 0, sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) squares += static_cast<double>(glm::dot(b[i] - a[i], b[i] - a[i])), sum += static_cast<double>(glm::dot(a[i], a[i]));
+  std::printf("tracers: rms of texels %.6f of the light\n", std::sqrt(squares / sum));
+  EXPECT_LT(std::sqrt(squares / sum), 2e-3);
+  EXPECT_NEAR(bvh.counter("back_face_hits"), embree.counter("back_face_hits"), 1e-3 * embree.counter("back_face_hits") + 5);
 }
 
 TEST(RadiosityWork, StopsAtTheResidual) {

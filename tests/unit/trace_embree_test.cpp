@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -83,6 +84,41 @@ TEST(EmbreeScene, BatchesGiveWhatSingleRaysGive) {
       found += occluded[i];
     }
     EXPECT_GT(found, rays.size() / 10);
+  }
+}
+
+/// Of rays that belong together and of some that do not, with lanes at rest among them and at the end.
+TEST(EmbreeScene, PacketsGiveWhatSingleRaysGive) {
+  for (const Scene& scene : {test::furnishedRoom(), test::foliage()}) {
+    const EmbreeScene embree(scene);
+    size_t found = 0;
+    for (uint32_t k = 0; k < 400; ++k) {
+      shared::Random r = shared::randomInit(3, k, 0);
+      const auto random = [&] { return shared::randomFloat(r); };
+      const vec3 origin(random(), random(), random()), towards(random() - 0.5f, random() - 0.5f, random() - 0.5f);
+      const float spread = k % 4 == 0 ? 1.0f : 0.02f;
+      const uint32_t count = k % 3 == 0 ? kPacketRays - k % kPacketRays : kPacketRays;
+      RayPacket packet;
+      std::array<Ray, kPacketRays> rays;
+      for (uint32_t i = 0; i < kPacketRays; ++i) {
+        const vec3 d = towards + spread * vec3(random() - 0.5f, random() - 0.5f, random() - 0.5f);
+        rays[i] = {origin, k % 5 == 0 ? 0.1f : -1.0f, d, (i + k) % 7 == 0 ? -2.0f : (k % 2 == 0 ? 0.7f : 1e30f)};
+        packet.originX[i] = origin.x, packet.originY[i] = origin.y, packet.originZ[i] = origin.z;
+        packet.directionX[i] = d.x, packet.directionY[i] = d.y, packet.directionZ[i] = d.z;
+        packet.tMin[i] = rays[i].tMin, packet.tMax[i] = rays[i].tMax;
+      }
+      embree.closest(packet, count);
+      for (uint32_t i = 0; i < count; ++i) {
+        const Hit single = embree.closest(rays[i]);
+        ASSERT_EQ(single.primitive, packet.primitive[i]) << k << " " << i;
+        if (single.primitive == kMiss) continue;
+        ++found;
+        ASSERT_NEAR(single.t, packet.t[i], 1e-5f * single.t) << k << " " << i;
+        ASSERT_NEAR(single.u, packet.u[i], 1e-4f) << k << " " << i;
+        ASSERT_NEAR(single.v, packet.v[i], 1e-4f) << k << " " << i;
+      }
+    }
+    EXPECT_GT(found, 600u);
   }
 }
 

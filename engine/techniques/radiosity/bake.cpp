@@ -5,16 +5,15 @@
 
 #include "engine/core/error.h"
 #include "engine/techniques/radiosity/directions.h"
-#include "engine/techniques/radiosity/unit.h"
+#include "engine/techniques/radiosity/lumel_rays.h"
 #include "shaders/shared/ray.h"
 
 namespace hl {
 namespace {
 
-constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 50 ms on two cores in a large scene
+constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 30 ms on two cores in a large scene
 constexpr uint32_t kUnitCached = 1u << 21;      ///< remembered rays that a unit reads back
 constexpr uint32_t kUnitLumels = 1u << 15;      ///< at most, however few samples each has
-constexpr float kRayEnd = 1e30f;                ///< [m]: beyond every scene
 constexpr uint32_t kDirectRays = 1u << 17;      ///< shadow rays a unit casts
 
 uint32_t groups(uint32_t n, uint32_t size) { return (n + size - 1) / size; }
@@ -28,21 +27,23 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   resolution_ = static_cast<uint32_t>(atlas.resolution);
   if (lumels_ == 0) return;
   const auto samples = static_cast<uint32_t>(params.samples);
+  // Elsewhere the host would have to be given a copy of the whole cache.
+  const bool onHost = scene.tracer.onHost() && device_.isCpu();
   castLumels_ = std::clamp(kUnitRays / samples, 1u, kUnitLumels);
   cachedLumels_ = std::clamp(kUnitCached / samples, 1u, kUnitLumels);
   checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
   checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
-  if (2 * scene.scene.triangles() > device_.maxTexelBufferElements())
+  if (!onHost && 2 * scene.scene.triangles() > device_.maxTexelBufferElements())
     throw Error(ErrorKind::Device, "radiosity: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                        std::to_string(device_.maxTexelBufferElements() / 2) + ")");
 
-  const LightmapTables tables = makeLightmapTables(scene.scene, atlas, scene.lightmap.dilation, progress);
+  LightmapTables tables = makeLightmapTables(scene.scene, atlas, scene.lightmap.dilation, progress);
   reflectance_ = device_.buffer("radiosity: reflectance", std::span<const vec4>(tables.reflectance));
-  triangles_ = device_.buffer("radiosity: triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
-  device_.upload(triangles_, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
   lumelOfTexel_ = device_.buffer("radiosity: lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
   chartOfTexel_ = device_.buffer("radiosity: chart of texel", std::span<const uint32_t>(tables.chartOfTexel));
-  makeDirections(progress);
+  const std::vector<vec4> directions = makeDirections(progress);
+  directions_ = device_.buffer("radiosity: directions", directions.size() * sizeof(vec4), TexelFormat::RGBA32F);
+  device_.upload(directions_, directions.data(), directions.size() * sizeof(vec4));
 
   points_ = device_.buffer("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
   direct_ = device_.buffer("radiosity: direct", lumels_ * sizeof(vec4));
@@ -50,9 +51,15 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   radiance_ = device_.buffer("radiosity: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
   counters_ = device_.buffer("radiosity: counters", 2 * shared::kCounters * sizeof(uint32_t));
   const uint64_t unitRays = uint64_t{castLumels_} * samples;
-  rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray), TexelFormat::RGBA32F);
-  device_.upload(rays_, std::vector<shared::Ray>(unitRays, {vec3(0.0f), 0.0f, vec3(0.0f), kRayEnd}).data(), rays_.size());
-  hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
+  if (onHost) {
+    host_ = std::make_shared<HostUnits>(scene.tracer, scene.pool, params, tables.triangles, std::move(tables.lumelOfTexel), directions);
+  } else {
+    triangles_ = device_.buffer("radiosity: triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
+    device_.upload(triangles_, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
+    rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray), TexelFormat::RGBA32F);
+    device_.upload(rays_, std::vector<shared::Ray>(unitRays, {vec3(0.0f), 0.0f, vec3(0.0f), shared::kRayEnd}).data(), rays_.size());
+    hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
+  }
   codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));
   allocateCache();
   const ImageDesc desc{atlas.resolution, atlas.resolution, Format::RGBA32F};
@@ -69,7 +76,7 @@ void RadiosityBake::checkSize(const char* what, uint64_t bytes) const {
                                      std::to_string(device_.maxStorageBufferBytes()) + "); lower lightmap.resolution");
 }
 
-void RadiosityBake::makeDirections(Progress& progress) {
+std::vector<vec4> RadiosityBake::makeDirections(Progress& progress) {
   const auto samples = static_cast<uint32_t>(params_.samples);
   std::vector<vec4> directions;
   directions.reserve(samples);
@@ -79,8 +86,7 @@ void RadiosityBake::makeDirections(Progress& progress) {
   } else {
     for (vec2 p : goldenLattice(samples)) directions.push_back(vec4(p.x, p.y, 1.0f / static_cast<float>(samples), 0.0f));
   }
-  directions_ = device_.buffer("radiosity: directions", directions.size() * sizeof(vec4), TexelFormat::RGBA32F);
-  device_.upload(directions_, directions.data(), directions.size() * sizeof(vec4));
+  return directions;
 }
 
 /// As many buffers as the budget has room for, each of whole units, so that no unit's codes lie in two.
@@ -102,8 +108,9 @@ void RadiosityBake::uploadPoints() {
   if (offset == offset_) return;
   offset_ = offset;
   cached_ = 0;  // rays start elsewhere now
-  const std::vector<shared::SurfacePoint> points = lumelPoints(*scene_.atlas, offset);
+  std::vector<shared::SurfacePoint> points = lumelPoints(*scene_.atlas, offset);
   device_.upload(points_, points.data(), points.size() * sizeof(shared::SurfacePoint));
+  if (host_) host_->setPoints(std::move(points));
 }
 
 void RadiosityBake::restart(const RadiosityParams& params) {
@@ -224,6 +231,11 @@ void RadiosityBake::recordPiece(FrameGraph& graph, const Piece& piece) {
 void RadiosityBake::recordCast(FrameGraph& graph, const Piece& piece, const Buffer& codes, uint32_t codeBase) {
   const uint32_t count = piece.count * static_cast<uint32_t>(params_.samples);
   const shared::RadiosityUnit unit{piece.first, piece.count, codeBase, scene_.seed, resolution_, 0};
+  if (host_) {
+    for (const char* pass : {"radiosity: make rays", "radiosity: find texels"}) graph.skip(pass, "done where rays are cast");
+    graph.host("radiosity: cast rays").write(codes).run([host = host_, codes, unit](HostAccess& memory) { host->cast(unit, memory.span<uint32_t>(codes)); });
+    return;
+  }
   graph.compute("radiosity: make rays", "radiosity/make_rays.comp")
       .bind("points", points_, Access::Read)
       .bind("directions", directions_, Access::Read)
@@ -245,6 +257,17 @@ void RadiosityBake::recordCast(FrameGraph& graph, const Piece& piece, const Buff
 
 void RadiosityBake::recordGather(FrameGraph& graph, const Piece& piece, const Buffer& codes, uint32_t codeBase) {
   const shared::RadiosityUnit unit{piece.first, piece.count, codeBase, scene_.seed, resolution_, bounce_ == 0 ? 1u : 0u};
+  if (host_) {
+    graph.host("radiosity: gather")
+        .read(codes)
+        .read(radiance_)
+        .readWrite(irradiance_)
+        .readWrite(counters_)
+        .run([host = host_, unit, codes, radiance = radiance_, irradiance = irradiance_, counters = counters_](HostAccess& memory) {
+          host->gather(unit, memory.span<uint32_t>(codes), memory.span<vec4>(radiance), memory.span<vec4>(irradiance), memory.span<uint32_t>(counters));
+        });
+    return;
+  }
   graph.compute("radiosity: gather", "radiosity/gather.comp")
       .bind("codes", codes, Access::Read)
       .bind("directions", directions_, Access::Read)

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/techniques/radiosity/host_units.h"
 #include "engine/techniques/radiosity/lightmap_tables.h"
 #include "engine/techniques/radiosity/params.h"
 #include "engine/techniques/technique.h"
@@ -46,7 +47,7 @@ class RadiosityBake {
   uint32_t directSamples() const;
   bool settled() const;
   void checkSize(const char* what, uint64_t bytes) const;
-  void makeDirections(Progress&);
+  std::vector<vec4> makeDirections(Progress&);
   void allocateCache();
   void uploadPoints();
   void recordClears(FrameGraph&);
@@ -66,7 +67,8 @@ class RadiosityBake {
 
   Buffer points_, reflectance_, triangles_, lumelOfTexel_, chartOfTexel_, directions_;
   Buffer direct_, irradiance_, radiance_, counters_;
-  Buffer rays_, hits_, codes_;
+  Buffer rays_, hits_, codes_;       ///< rays and hits: where they are not made and used on the host
+  std::shared_ptr<HostUnits> host_;   ///< where rays are cast on the host, and that is the device too
   std::vector<Buffer> cache_;
   uint32_t lumelsPerCache_ = 0, cacheCapacity_ = 0;
   GpuImage lightmap_, spare_, dilated_, directImage_;

@@ -21,6 +21,7 @@ std::vector<MemoryItem> RadiosityBake::memory() const {
   add("texel tables", {lumelOfTexel_, chartOfTexel_});
   add("directions", {directions_});
   add("rays of a unit", {rays_, hits_, codes_});
+  if (host_) items.push_back({"tables on the host", host_->bytes()});
   uint64_t cache = 0;
   for (const Buffer& b : cache_) cache += b.size();
   items.push_back({"hit cache", cache});
@@ -51,18 +52,22 @@ std::vector<std::pair<std::string, double>> RadiosityBake::counters() const {
 PickReport RadiosityBake::pick(uint32_t lumel) {
   const Lumel& l = scene_.atlas->lumels[lumel];
   const auto samples = static_cast<uint32_t>(params_.samples);
-  // In a graph of its own, into the buffers of a unit: between units they hold nothing that is still wanted.
-  FrameGraph graph(device_, shaders_);
-  recordCast(graph, {lumel, 1, false, false}, codes_, 0);
-  graph.execute();
   std::vector<shared::Ray> rays(samples);
   std::vector<shared::Hit> hits(samples);
   std::vector<uint32_t> codes(samples);
   std::vector<vec4> radiance(lumels_), directions(samples);
   vec4 direct, irradiance;
-  device_.download(rays_, rays.data(), samples * sizeof(shared::Ray));
-  device_.download(hits_, hits.data(), samples * sizeof(shared::Hit));
-  device_.download(codes_, codes.data(), samples * sizeof(uint32_t));
+  if (host_) {
+    host_->inspect({lumel, 1, 0, scene_.seed, resolution_, 0}, rays, hits, codes);
+  } else {
+    // In a graph of its own, into the buffers of a unit: between units they hold nothing that is still wanted.
+    FrameGraph graph(device_, shaders_);
+    recordCast(graph, {lumel, 1, false, false}, codes_, 0);
+    graph.execute();
+    device_.download(rays_, rays.data(), samples * sizeof(shared::Ray));
+    device_.download(hits_, hits.data(), samples * sizeof(shared::Hit));
+    device_.download(codes_, codes.data(), samples * sizeof(uint32_t));
+  }
   device_.download(directions_, directions.data(), samples * sizeof(vec4));
   device_.download(radiance_, radiance.data(), radiance.size() * sizeof(vec4));
   device_.download(direct_, &direct, sizeof direct, lumel * sizeof(vec4));
