@@ -107,7 +107,7 @@ std::string resultsJson(const RunResults& r) {
   w.endArray().key("counters").beginObject();
   for (const auto& [name, value] : f.counters) w.member(name, value);
   w.endObject().key("convergence").beginArray();
-  for (const ConvergencePoint& point : f.convergence)
+  for (const ConvergencePoint& point : *f.convergence)
     if (const ErrorValue* e = plotted(point.errors))
       w.beginObject().member("frame", point.frame).member("ms", point.ms).member("relmse", e->value).endObject();
   w.endArray().key("image").beginObject();

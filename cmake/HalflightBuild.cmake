@@ -33,11 +33,12 @@ function(hl_module name)
   target_link_libraries(hl_${name} PUBLIC hl_options ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
 endfunction()
 
-# hl_test(unit/metrics_test.cpp LABELS unit DEPS hl_metrics [TIMEOUT 300]): one executable and one ctest entry.
+# hl_test(unit/metrics_test.cpp LABELS unit DEPS hl_metrics [TIMEOUT 300] [ALONE]): one executable and one ctest entry. ALONE: it measures how soon
+# something happens, and no other test runs beside it.
 # Under the thread sanitizer only tests with the label `threads` or `session` are built and run: those are about threads of ours. Under the address
 # sanitizer all but those with the label `statistics`: they take the same paths many million times, which others take too.
 function(hl_test source)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "TIMEOUT" "LABELS;DEPS" ${ARGN})
   string(REGEX REPLACE "[/\\.]" "_" target "${source}")
   string(REGEX REPLACE "_cpp$" "" target "${target}")
   add_executable(${target} ${source})
@@ -57,5 +58,6 @@ function(hl_test source)
   if(HALFLIGHT_SANITIZE)
     math(EXPR ARG_TIMEOUT "3 * ${ARG_TIMEOUT}")
   endif()
-  set_tests_properties(${HALFLIGHT_TEST_PREFIX}${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  set_tests_properties(${HALFLIGHT_TEST_PREFIX}${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
+    RUN_SERIAL ${ARG_ALONE})
 endfunction()

@@ -55,7 +55,7 @@ class TechniqueHarness {
     settings.uvOverlapTolerance = lightmap.uv_overlap_tolerance;
     settings.margin = lightmap.margin;
     const auto cast = [this](std::span<const shared::Ray> rays, std::span<shared::Hit> hits) { embree->closest(rays, hits); };
-    atlas = buildAtlas(scene, settings, pool, progress, insideTest(scene, pool, direct.ray_offset * gpuScene.diagonal, cast));
+    atlas = buildAtlas(scene, settings, pool, progress, insideTest(scene, pool, kInsideRayOffset * gpuScene.diagonal, cast));
     rebuildTechnique();
   }
   void rebuildTechnique() {

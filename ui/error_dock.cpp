@@ -128,7 +128,7 @@ void ErrorPanel::draw() {
   if (reference.label.empty()) reference.label = tr("starts once the technique has settled").toStdString(), reference.done = 0;
   work_->show(reference);
   work_->setVisible(wanted_->isChecked());
-  plot_->draw(f.convergence, metric_->currentData().toString().toStdString(), component_->currentData().toString().toStdString(),
+  plot_->draw(*f.convergence, metric_->currentData().toString().toStdString(), component_->currentData().toString().toStdString(),
               axis_->currentIndex() == 1);
   fillTable(f);
 }

@@ -34,6 +34,7 @@ size_t editDistance(std::string_view a, std::string_view b) {
 int Error::exitCode() const {
   switch (kind_) {
     case ErrorKind::Run:
+    case ErrorKind::TooLarge:
       return 1;
     case ErrorKind::BadInput:
       return 2;

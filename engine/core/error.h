@@ -8,8 +8,9 @@ namespace hl {
 
 enum class ErrorKind {
   Run,        ///< the work itself failed (exit code 1)
+  TooLarge,   ///< more than this device takes, or than it has memory left for: smaller settings work (exit code 1)
   BadInput,   ///< files, parameters or usage are wrong (exit code 2)
-  Device,     ///< no device, driver missing, device lost, memory exhausted (exit code 3)
+  Device,     ///< no device, driver missing, device lost (exit code 3)
   Cancelled,  ///< the person stopped it (exit code 130)
 };
 

@@ -40,7 +40,7 @@ class Device {
   uint64_t maxStorageBufferBytes() const;
   uint32_t maxTexelBufferElements() const;
 
-  /// Contents are undefined. @throws Error(Device) when memory is exhausted, naming the buffer and its size.
+  /// Contents are undefined. @throws Error(TooLarge) when memory is exhausted, naming the buffer and its size.
   Buffer buffer(const std::string& name, uint64_t bytes, TexelFormat = TexelFormat::None);
   GpuImage image(const std::string& name, const ImageDesc&);
 

@@ -107,7 +107,7 @@ Allocation DeviceMemory::allocate(const VkMemoryRequirements& need, MemoryUse us
     bytes_ += need.size;
     return {block, *offset, need.size};
   }
-  throw Error(ErrorKind::Device,
+  throw Error(ErrorKind::TooLarge,
               fmt::format("{}: no device memory left for {:.1f} MiB ({:.1f} MiB are in use)", what,
                           static_cast<double>(need.size) / 1048576.0, static_cast<double>(bytes_) / 1048576.0));
 }

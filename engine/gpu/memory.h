@@ -43,7 +43,7 @@ class DeviceMemory {
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
 
-  /// @throws Error(Device) naming `what` and its size when no memory is left.
+  /// @throws Error(TooLarge) naming `what` and its size when no memory is left.
   Allocation allocate(const VkMemoryRequirements&, MemoryUse, bool tiled, const std::string& what);
   void release(Allocation&);
   uint64_t bytesAllocated() const;  ///< by resources, without what is free in the blocks

@@ -78,7 +78,7 @@ struct Resolver {
     }
     const uint64_t largest = uniform ? limits.maxUniformBufferRange : limits.maxStorageBufferRange;
     if (state.size > largest) {
-      throw Error(ErrorKind::Device,
+      throw Error(ErrorKind::TooLarge,
                   fmt::format("pass \"{}\", binding \"{}\": buffer \"{}\" has {} bytes, and {} binds at most {}",
                               pass.name, r.name, state.name, state.size, device.survey.info.name, largest));
     }

@@ -78,7 +78,7 @@ class BatchArena {
 };
 
 /// Checks a pass against its shaders and gives it pipeline, descriptor sets and uses.
-/// @throws Error(BadInput) naming pass, shader and binding; Error(Device) where a resource is larger than the device
+/// @throws Error(BadInput) naming pass, shader and binding; Error(TooLarge) where a resource is larger than the device
 /// can bind.
 void resolve(Pass&, PipelineCache&, BatchArena&, Device::Impl&);
 

@@ -26,7 +26,7 @@ const FormatInfo& formatInfo(Format format) {
 Buffer Device::Impl::makeBuffer(const std::string& name, uint64_t bytes, TexelFormat texels, MemoryUse use) {
   if (bytes == 0) throw badInput(fmt::format("buffer \"{}\": a size of 0 bytes", name));
   if (bytes > survey.maxBufferSize) {
-    throw Error(ErrorKind::Device, fmt::format("buffer \"{}\": {} bytes, and {} takes at most {} in one buffer", name,
+    throw Error(ErrorKind::TooLarge, fmt::format("buffer \"{}\": {} bytes, and {} takes at most {} in one buffer", name,
                                                bytes, survey.info.name, survey.maxBufferSize));
   }
   auto state = std::make_shared<BufferState>();
@@ -53,7 +53,7 @@ Buffer Device::Impl::makeBuffer(const std::string& name, uint64_t bytes, TexelFo
     const uint64_t texelBytes = 16;
     if (bytes % texelBytes != 0) throw badInput(what + ": not a whole number of RGBA32F texels");
     if (bytes / texelBytes > survey.properties.limits.maxTexelBufferElements) {
-      throw Error(ErrorKind::Device, fmt::format("{}: {} takes at most {} texels in one buffer", what, survey.info.name,
+      throw Error(ErrorKind::TooLarge, fmt::format("{}: {} takes at most {} texels in one buffer", what, survey.info.name,
                                                  survey.properties.limits.maxTexelBufferElements));
     }
     VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
@@ -73,7 +73,7 @@ GpuImage Device::Impl::makeImage(const std::string& name, const ImageDesc& desc)
   if (desc.width < 1 || desc.height < 1 || desc.layers < 1 || desc.mips < 1) throw badInput(what + ": an empty image");
   if (static_cast<uint32_t>(std::max(desc.width, desc.height)) > limits.maxImageDimension2D ||
       static_cast<uint32_t>(desc.layers) > limits.maxImageArrayLayers) {
-    throw Error(ErrorKind::Device,
+    throw Error(ErrorKind::TooLarge,
                 fmt::format("{}: {} takes at most {} texels a side and {} layers", what, survey.info.name,
                             limits.maxImageDimension2D, limits.maxImageArrayLayers));
   }

@@ -14,6 +14,8 @@ namespace hl {
 inline constexpr int kInsideRays = 32;          ///< a texel, cosine distributed
 inline constexpr float kInsideBackShare = 0.5f;  ///< share of rays that must meet a back for the texel to count as inside
 
+inline constexpr float kInsideRayOffset = 1e-5f; ///< how far in front of the surface they start, as a share of the scene's diagonal
+
 /// The closest hits of a batch of rays, called from several threads.
 using CastClosest = std::function<void(std::span<const shared::Ray>, std::span<shared::Hit>)>;
 

@@ -1,5 +1,7 @@
 #include "engine/lightmap/open_part.h"
 
+#include <algorithm>
+
 #include <glm/geometric.hpp>
 
 namespace hl {
@@ -75,7 +77,8 @@ uint64_t openCoveredTexels(const Scene& scene, const std::vector<vec2>& cornerUv
     if (open == 0 || open == count) continue;
     Lumel mean = lumels[rim[k]];
     mean.position = vec3(sum / static_cast<double>(open));
-    mean.area *= static_cast<float>(open) / static_cast<float>(count);
+    // Of a texel that holds other triangles too (or nothing) the share is not known.
+    if (count == size_t{kSide * kSide}) mean.area *= static_cast<float>(open) / static_cast<float>(count);
     means.push_back(mean);
     whose.push_back(k);
   }

@@ -103,7 +103,7 @@ struct DirectLight::Impl {
     if (result && result.width() == width && result.height() == height) return;
     const uint64_t bytes = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * sizeof(vec4);
     if (bytes > device.maxStorageBufferBytes())
-      throw Error(ErrorKind::Device, "direct: " + std::to_string(width) + " x " + std::to_string(height) +
+      throw Error(ErrorKind::TooLarge, "direct: " + std::to_string(width) + " x " + std::to_string(height) +
                                          " pixels take " + std::to_string(bytes) +
                                          " bytes, a buffer of this device holds " +
                                          std::to_string(device.maxStorageBufferBytes()));

@@ -16,7 +16,7 @@ template <class T>
 Buffer upload(Device& device, const char* name, const std::vector<T>& data) {
   const uint64_t bytes = data.size() * sizeof(T);
   if (bytes > device.maxStorageBufferBytes())
-    throw Error(ErrorKind::Device, fmt::format("the scene's {} take {} MiB, this device's buffers hold {}", name,
+    throw Error(ErrorKind::TooLarge, fmt::format("the scene's {} take {} MiB, this device's buffers hold {}", name,
                                                bytes >> 20, device.maxStorageBufferBytes() >> 20));
   return device.buffer(name, std::span<const T>(data));
 }

@@ -77,7 +77,9 @@ void checkView(const std::string& view, const Technique& technique) {
 Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {}
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
-Session::~Session() = default;
+Session::~Session() {
+  for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
+}
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
 
 void Session::Impl::collectParams() {
@@ -113,18 +115,18 @@ float Session::Impl::sliceMs() {
 
 void Session::Impl::want(Effect effect) {
   if (effect == Effect::Rebuild) techniqueStale = true;
-  if (effect != Effect::Live) resetWanted = true;
-  held = measuredSettled = false;
+  if (effect != Effect::Live) resetWanted = true, held = false;  // what was cancelled or failed is not tried again for an exposure's sake
+  measuredSettled = false;
 }
 
 void Session::Impl::referenceStale() {
   cameraChanged();
-  lightmapRun = {};
+  lightmapRun.drop();
 }
 
 /// Pixels see other points now: what was measured on them no longer holds; the lightmap's own truth does.
 void Session::Impl::cameraChanged() {
-  full = {}, matched = {};
+  full.drop(), matched.drop();
   referenceMs = 0;
   referenceStopped = measuredSettled = false;
   errors.clear();
@@ -229,8 +231,8 @@ void Session::setTechnique(const std::string& id) {
     const ParamSet::Found found = s.params.find(key);
     found.view->set(*found.info, parseParam(*found.info, text));
   }
-  s.matched = {};
-  s.lightmapRun = {};
+  s.matched.drop();
+  s.lightmapRun.drop();
   s.frameProfiler.clear();
   s.workProfiler.clear();
   bool known = false;  // a view of the old technique has no place here

@@ -1,6 +1,9 @@
 // Errors of what is shown, against the full reference and against one limited to the paths the technique models.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <string_view>
+
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -56,22 +59,55 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
   const Mask mask = surfaces.mask();
   if (!anySet(mask)) return out;
   const Image final = surfaces.composite(direct, indirect);
+  std::vector<Mask> parts;
+  std::vector<std::string> regions;
+  for (const Region& region : s.scene->regions) {
+    Mask part = within(mask, region, direct.width, direct.height);
+    if (anySet(part)) parts.push_back(std::move(part)), regions.push_back(region.name);
+  }
+
+  struct Truth {
+    const char* reference;
+    ReferenceImage indirect, final;
+  };
+  std::vector<Truth> truths;
+  // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
+  const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets);
   for (const bool matched : {true, false}) {
+    if (matched && !s.referencesStarted()) continue;  // the technique was changed since
+    if (!matched && same && !truths.empty()) continue;
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
-    const char* name = matched ? "matched" : "full";
-    const ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
+    ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
     const ReferenceImage sun = run.result->directImage();
-    const ReferenceImage truthFinal{surfaces.composite(sun.mean, truth.mean), surfaces.composite(sun.halfA, truth.halfA),
-                                    surfaces.composite(sun.halfB, truth.halfB)};
+    ReferenceImage whole{surfaces.composite(sun.mean, truth.mean), surfaces.composite(sun.halfA, truth.halfA), surfaces.composite(sun.halfB, truth.halfB)};
+    truths.push_back({matched ? "matched" : "full", std::move(truth), std::move(whole)});
+  }
+
+  struct Job {
+    const Truth* truth;
+    std::string metric, roi;
+    const Mask* mask;
+    bool final;
+  };
+  std::vector<Job> jobs;
+  for (const Truth& truth : truths)
     for (const std::string& m : metrics) {
-      out.push_back(valueOf(measure(m, indirect, truth, mask), m, name, "image", "indirect", ""));
-      out.push_back(valueOf(measure(m, final, truthFinal, mask), m, name, "image", "final", ""));
-      for (const Region& region : s.scene->regions) {
-        const Mask part = within(mask, region, direct.width, direct.height);
-        if (anySet(part)) out.push_back(valueOf(measure(m, indirect, truth, part), m, name, "image", "indirect", region.name));
-      }
+      jobs.push_back({&truth, m, "", &mask, false});
+      jobs.push_back({&truth, m, "", &mask, true});
+      for (size_t i = 0; i < parts.size(); ++i) jobs.push_back({&truth, m, regions[i], &parts[i], false});
     }
+  out.resize(jobs.size());
+  s.pool.parallelFor(jobs.size(), 1, [&](size_t first, size_t last, unsigned) {
+    for (size_t i = first; i < last; ++i) {
+      const Job& job = jobs[i];
+      const MetricResult result = measure(job.metric, job.final ? final : indirect, job.final ? job.truth->final : job.truth->indirect, *job.mask);
+      out[i] = valueOf(result, job.metric, job.truth->reference, "image", job.final ? "final" : "indirect", job.roi);
+    }
+  });
+  if (same && truths.size() == 1 && truths[0].reference == std::string_view("matched")) {
+    const size_t count = out.size();
+    for (size_t i = 0; i < count; ++i) out.push_back(out[i]), out.back().reference = "full";
   }
   return out;
 }

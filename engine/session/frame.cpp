@@ -1,6 +1,8 @@
 // One frame: prepare what edits made stale, record the passes, execute, publish.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
 #include "engine/session/session_impl.h"
@@ -14,6 +16,8 @@ constexpr double kTimingBudgetMs = 60e3;
 // How much of a slice goes to the reference once the technique has settled.
 constexpr double kReferenceSliceMs = 60;
 constexpr double kMeasureEveryMs = 2000;
+// What measuring takes is at most this share of the time.
+constexpr double kMeasureShare = 0.1;
 const std::vector<std::string> kLiveMetrics = {"relmse", "mse", "rmse", "mae", "smape", "bias", "psnr"};
 
 PickedPoint pickedPoint(Device& device, const GBuffer& g, int x, int y) {
@@ -34,6 +38,19 @@ PickedPoint pickedPoint(Device& device, const GBuffer& g, int x, int y) {
 }
 
 }  // namespace
+
+/// A history of its own each time, since published frames share the last. Every second point goes when there are many: the plot is logarithmic or coarse.
+void Session::Impl::addConvergencePoint() {
+  constexpr size_t kMostPoints = 512;
+  auto next = std::make_shared<std::vector<ConvergencePoint>>(*convergence);
+  if (next->size() >= kMostPoints) {
+    size_t kept = 0;
+    for (size_t i = 0; i < next->size(); i += 2) (*next)[kept++] = std::move((*next)[i]);
+    next->resize(kept);
+  }
+  next->push_back({frameSinceReset, msSinceReset, errors});
+  convergence = std::move(next);
+}
 
 std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   Impl& s = *impl_;
@@ -85,7 +102,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
     s.pickReport = s.held || s.techniqueStale ? PickReport{} : s.technique->pick(s.picked);
     s.pickPixel.reset();
   }
-  if (s.referenceWanted && !s.referenceStopped && !s.full.tracer) s.startReferences();
+  if (s.referenceWanted && !s.referenceStopped && !s.referencesStarted()) s.startReferences();
   bool worked = false;  // then this frame's picture is older than the state
   if (!s.workPaused) {
     try {
@@ -104,12 +121,14 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   // Measured on a schedule, and once more at the end, so that a settled session shows the numbers of what it shows.
   const bool referencesDone = s.referencesSettled();
   const bool allSettled = s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
-  const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > kMeasureEveryMs;
-  if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled)) {
+  const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
+  if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled) && !p.cancelled()) {
+    const double began = nowMs();
     s.lastMeasurementMs = s.msSinceReset + s.referenceMs;
     s.measuredSettled = allSettled;
     s.errors = measureErrors(kLiveMetrics);
-    s.convergence.push_back({s.frameSinceReset, s.msSinceReset, s.errors});
+    s.addConvergencePoint();
+    s.measurementMs = nowMs() - began;
   }
 
   auto result = std::make_shared<FrameResult>();
@@ -151,7 +170,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
       r.reference.secondsLeft = s.referenceMs / 1000 * (1 - r.reference.done) / (r.reference.done - s.referenceStart);
   }
   r.errors = s.errors;
-  r.convergence = s.convergence;
+  r.convergence = s.convergence;  // shared, not copied
   r.settled = !worked && !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();

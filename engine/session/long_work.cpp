@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
@@ -11,6 +12,23 @@
 #include "engine/session/session_impl.h"
 
 namespace hl {
+namespace {
+
+// Less is traced again sooner than it is written.
+constexpr double kWorthStoringMs = 5000;
+
+}  // namespace
+
+void ReferenceRun::drop() {
+  if (tracer && !tracer->settled() && result && ms > kWorthStoringMs) {
+    try {
+      tracer->store();
+    } catch (const std::exception& e) {
+      logWarning(fmt::format("the reference so far could not be stored: {}", e.what()));
+    }
+  }
+  *this = {};
+}
 
 void Session::Impl::buildLightmap(Progress& p) {
   AtlasSettings settings;
@@ -18,7 +36,7 @@ void Session::Impl::buildLightmap(Progress& p) {
   settings.uvOverlapTolerance = lightmap.uv_overlap_tolerance;
   settings.margin = lightmap.margin;
   const auto cast = [this](std::span<const shared::Ray> rays, std::span<shared::Hit> hits) { embree->closest(rays, hits); };
-  const auto inside = insideTest(*scene, pool, direct.ray_offset * scene->bounds.diagonal(), cast);
+  const auto inside = insideTest(*scene, pool, kInsideRayOffset * scene->bounds.diagonal(), cast);
   if (lightmap.texels > 0) {
     // The side that gives the wanted number of valid texels, from the coverage found at a first guess.
     settings.resolution = std::clamp(static_cast<int>(std::ceil(std::sqrt(lightmap.texels / 0.6))), 32, 4096);
@@ -36,7 +54,7 @@ void Session::Impl::buildLightmap(Progress& p) {
   cornerUvs = device.buffer("lightmap: corner uvs", std::span<const vec2>(atlas->cornerUvs));
   atlasStale = false;
   techniqueStale = true;
-  lightmapRun = {};
+  lightmapRun.drop();
 }
 
 void Session::Impl::prepare(Progress& p) {
@@ -61,6 +79,10 @@ void Session::Impl::prepare(Progress& p) {
       held = true;
       message = e.what();
       if (e.kind() != ErrorKind::Cancelled) logError(message);
+    } catch (const std::bad_alloc&) {
+      held = true;
+      message = fmt::format("{}: out of memory", preset.technique);
+      logError(message);
     }
   }
   if (resetWanted) {
@@ -71,13 +93,14 @@ void Session::Impl::prepare(Progress& p) {
     msSinceReset = 0;
     workMs = 0, workUnitsTimed = 0;
     workStopped = false;
-    convergence.clear();
+    convergence = std::make_shared<std::vector<ConvergencePoint>>();
     errors.clear();
     lastMeasurementMs = -1e9;
     measuredSettled = false;
     const Transport t = technique->transport();
-    const std::string key = fmt::format("{} {} {}", t.bounces, t.frontFacesOnly, static_cast<int>(t.receiver));
-    if (key != transportKey) matched = {}, full = {}, transportKey = key;
+    // Not its bounces: a run keeps them apart.
+    const std::string key = fmt::format("{} {}", t.frontFacesOnly, static_cast<int>(t.receiver));
+    if (key != transportKey) matched.drop(), transportKey = key;
   }
 }
 
@@ -128,16 +151,18 @@ void Session::Impl::startReferences() {
   const std::vector<Receiver> receivers = receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal),
                                                                device.download(gbuffer.geometricNormal), ids, scene.get());
   const auto start = [&](ReferenceRun& run, bool matchedPaths) {
+    if (run.tracer) return;
     run.tracer = std::make_unique<ReferenceTracer>(embree, receivers, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
     run.tracer->resume();
     run.result = run.tracer->result();
   };
   start(full, false);
-  matched = {};
   if (!referenceShared()) start(matched, true);
   referenceMs = 0;
   referenceStart = full.tracer->done();
 }
+
+bool Session::Impl::referencesStarted() const { return full.tracer && (matched.tracer || referenceShared()); }
 
 bool Session::Impl::referencesSettled() const {
   return full.tracer && full.tracer->settled() && (!matched.tracer || matched.tracer->settled());
@@ -148,11 +173,11 @@ void Session::Impl::runReference(double budgetMs, Progress& p) {
   while (!referencesSettled() && nowMs() - start < budgetMs) {
     // The two advance together, so that both have something to show early.
     ReferenceRun& run = !matched.tracer || full.tracer->done() <= matched.tracer->done() ? (full.tracer->settled() ? matched : full) : matched;
+    const double began = nowMs();
     run.tracer->advance(p);
-    const auto result = run.tracer->result();
-    const bool finished = run.tracer->settled();
-    run.result = result;
-    if (finished) run.tracer->store();
+    run.ms += nowMs() - began;
+    run.result = run.tracer->result();
+    if (run.tracer->settled()) run.tracer->store();
     measuredSettled = false;
   }
   referenceMs += nowMs() - start;
@@ -166,7 +191,7 @@ std::shared_ptr<const ReferenceResult> Session::reference(const std::string& tar
   if (target != "image" && target != "lightmap") throw badInput(fmt::format("reference target '{}': it is image or lightmap", target));
   if (s.frameNumber == 0 || s.resetWanted) frame(&p);
   if (target == "image") {
-    if (!s.full.tracer) s.startReferences();
+    if (!s.referencesStarted()) s.startReferences();
     p.begin("reference", 1000);
     while (!s.referencesSettled()) {
       p.check();
@@ -186,7 +211,10 @@ std::shared_ptr<const ReferenceResult> Session::reference(const std::string& tar
   }
   while (!run.tracer->settled()) {
     p.check();
+    const double began = nowMs();
     run.tracer->advance(p);
+    run.ms += nowMs() - began;
+    run.result = run.tracer->result();
   }
   run.tracer->store();
   run.result = run.tracer->result();

@@ -73,7 +73,7 @@ struct FrameResult {
   std::vector<std::pair<std::string, double>> counters;
   WorkReport technique, reference;
   std::vector<ErrorValue> errors;    ///< as of the last measurement
-  std::vector<ConvergencePoint> convergence;
+  std::shared_ptr<const std::vector<ConvergencePoint>> convergence = std::make_shared<std::vector<ConvergencePoint>>();
   bool settled = false;              ///< nothing would change with further frames
   Provenance provenance;
   std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""

@@ -18,7 +18,10 @@ namespace hl {
 struct ReferenceRun {
   std::unique_ptr<ReferenceTracer> tracer;
   std::shared_ptr<const ReferenceResult> result;  ///< of the last whole pass
-  std::string key;                                ///< of the settings and receivers it was started with
+  double ms = 0;                                  ///< spent on it here
+
+  /// Forgets it; what was traced goes to the cache first where it took long enough to be missed.
+  void drop();
 };
 
 /// What the host needs of the G-buffer to see a picture as the composite pass does. Images have 4 channels.
@@ -89,8 +92,8 @@ struct Session::Impl {
 
   ReferenceRun full, matched, lightmapRun;
   std::vector<ErrorValue> errors;
-  std::vector<ConvergencePoint> convergence;
-  double lastMeasurementMs = -1e9;
+  std::shared_ptr<const std::vector<ConvergencePoint>> convergence = std::make_shared<std::vector<ConvergencePoint>>();
+  double lastMeasurementMs = -1e9, measurementMs = 0;  ///< when the last one was due; what it took
   bool measuredSettled = false;  ///< the errors are those of the settled state
 
   // edits.cpp
@@ -111,11 +114,15 @@ struct Session::Impl {
   void runWork(double budgetMs, Progress&);
   void runReference(double budgetMs, Progress&);
   bool workSettled() const;
+  bool referencesStarted() const;
   bool referencesSettled() const;
   void startReferences();
   bool referenceShared() const;  ///< full and matched differ in the number of bounces alone
   int fullBounces() const { return reference.bounces > 0 ? reference.bounces : kAllBounces; }
   ReferenceSettings referenceSettings(bool matchedPaths) const;
+
+  // frame.cpp
+  void addConvergencePoint();
 
   // images.cpp
   SurfaceImages surfaceImages();

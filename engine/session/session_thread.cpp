@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <new>
 #include <thread>
 
 #include "engine/core/log.h"
@@ -16,6 +17,19 @@ namespace {
 // A settled session still renders this many frames, so that pass times are medians; then it sleeps until an edit comes.
 constexpr uint64_t kFramesForTiming = 40;
 constexpr int kWorkerNice = 10;
+
+/// The exception in flight as one of ours. What an edit or a frame may throw besides, memory that ran out above all, must not end the program.
+Error currentError() {
+  try {
+    throw;
+  } catch (const Error& e) {
+    return e;
+  } catch (const std::bad_alloc&) {
+    return Error(ErrorKind::Run, "out of memory");
+  } catch (const std::exception& e) {
+    return Error(ErrorKind::Run, e.what());
+  }
+}
 
 struct Edit {
   std::string key;
@@ -48,11 +62,12 @@ struct SessionThread::Impl {
   }
 
   void run();
-  bool drain(Session&);
+  enum class Drained { Nothing, Edits, DeviceLost };
+  Drained drain(Session&);
 };
 
 /// Applies the waiting edits. A fresh Progress each round: a cancel stops what ran when it came, and nothing after it.
-bool SessionThread::Impl::drain(Session& session) {
+SessionThread::Impl::Drained SessionThread::Impl::drain(Session& session) {
   std::deque<Edit> taken;
   bool cancelled = false;
   std::shared_ptr<Progress> current;
@@ -68,11 +83,13 @@ bool SessionThread::Impl::drain(Session& session) {
   for (const Edit& edit : taken) {
     try {
       edit.apply(session);
-    } catch (const Error& e) {
-      fail(e);
+    } catch (const std::exception&) {
+      const Error error = currentError();
+      fail(error);
+      if (error.kind() == ErrorKind::Device) return Drained::DeviceLost;
     }
   }
-  return cancelled || !taken.empty();
+  return cancelled || !taken.empty() ? Drained::Edits : Drained::Nothing;
 }
 
 void SessionThread::Impl::run() {
@@ -80,19 +97,21 @@ void SessionThread::Impl::run() {
   std::unique_ptr<Session> session;
   try {
     session = std::make_unique<Session>(options);
-  } catch (const Error& e) {
-    fail(e);
+  } catch (const std::exception&) {
+    fail(currentError());
     return;
   }
   uint64_t idleFrames = 0;
   while (true) {
-    const bool edited = drain(*session);
-    if (edited) idleFrames = 0;
+    const Drained drained = drain(*session);
+    if (drained == Drained::DeviceLost) return;
+    if (drained == Drained::Edits) idleFrames = 0;
     bool render = false;
     std::shared_ptr<Progress> current;
     {
       std::unique_lock lock(mutex);
-      const auto mayRun = [&] { return started && !paused && visible && idleFrames < kFramesForTiming; };
+      // Unseen, frames go on only as long as there is work between them.
+      const auto mayRun = [&] { return started && !paused && idleFrames < (visible ? kFramesForTiming : 1); };
       wake.wait(lock, [&] { return stop || cancelWanted || !edits.empty() || mayRun(); });
       if (stop) break;
       render = edits.empty() && !cancelWanted;
@@ -109,9 +128,10 @@ void SessionThread::Impl::run() {
         callback = onFrame;
       }
       if (callback) callback();
-    } catch (const Error& e) {
-      fail(e);
-      if (e.kind() == ErrorKind::Device) return;  // the device is gone: the owner makes a new SessionThread
+    } catch (const std::exception&) {
+      const Error error = currentError();
+      fail(error);
+      if (error.kind() == ErrorKind::Device) return;  // the device is gone: the owner makes a new SessionThread
       idleFrames = kFramesForTiming;              // wait for an edit rather than fail in a loop
     }
   }

@@ -30,7 +30,7 @@ class SessionThread {
   /// Both are called on the session's thread; forward them to the window's event loop by a queued call. Errors raised before anyone listened are
   /// delivered here, on the caller's thread.
   void setCallbacks(std::function<void()> onFrame, std::function<void(const Error&)> onError);
-  /// Frames pause (work goes on) while the viewport is hidden; both pause when `paused`.
+  /// While the viewport is hidden frames go on only as long as there is work between them; both pause when `paused`.
   void setVisible(bool);
   void setPaused(bool);
 

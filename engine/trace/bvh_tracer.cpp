@@ -18,7 +18,7 @@ constexpr uint32_t kMaxGroupsPerRow = 32768;  // every device takes 65535 groups
 
 Buffer texels(Device& device, const char* name, const std::vector<vec4>& data) {
   if (data.size() > device.maxTexelBufferElements())
-    throw Error(ErrorKind::Device, "tracer bvh: " + std::string(name) + " takes " + std::to_string(data.size()) +
+    throw Error(ErrorKind::TooLarge, "tracer bvh: " + std::string(name) + " takes " + std::to_string(data.size()) +
                                        " texels, but a texel buffer of this device holds " +
                                        std::to_string(device.maxTexelBufferElements()) + "; use --tracer embree");
   Buffer buffer = device.buffer(name, std::max<uint64_t>(1, data.size()) * sizeof(vec4), TexelFormat::RGBA32F);

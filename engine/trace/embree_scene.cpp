@@ -71,7 +71,7 @@ struct EmbreeScene::Impl {
     if (code == RTC_ERROR_NONE) return;
     if (progress) progress->check();
     const std::string text = firstError.empty() ? "code " + std::to_string(static_cast<int>(code)) : firstError;
-    throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::Device : ErrorKind::Run,
+    throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::TooLarge : ErrorKind::Run,
                 std::string("embree: ") + what + ": " + text);
   }
 

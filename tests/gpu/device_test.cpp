@@ -158,7 +158,7 @@ TEST_F(DeviceTest, ExhaustedMemoryIsAnErrorThatNamesTheBuffer) {
   const Error e = errorOf([&] {
     for (int i = 0; i < 4096; ++i) hog.push_back(device->buffer("hog " + std::to_string(i), 512ull << 20));
   });
-  EXPECT_EQ(e.kind(), ErrorKind::Device);
+  EXPECT_EQ(e.kind(), ErrorKind::TooLarge);
   EXPECT_NE(std::string(e.what()).find("\"hog " + std::to_string(hog.size()) + "\" of 536870912 bytes"),
             std::string::npos)
       << e.what();
@@ -183,7 +183,7 @@ TEST_F(DeviceTest, BuffersTooLargeToBindNameThemselves) {
         .push(push)
         .dispatch(1);
   });
-  EXPECT_EQ(e.kind(), ErrorKind::Device);
+  EXPECT_EQ(e.kind(), ErrorKind::TooLarge);
   EXPECT_NE(std::string(e.what()).find("\"large\""), std::string::npos) << e.what();
 }
 

@@ -1,6 +1,7 @@
 // The G-buffer against a ray caster in double precision that shares nothing with it.
 #include "engine/passes/gbuffer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -145,6 +146,28 @@ TEST_F(GBufferTest, AgreesWithARayCasterInAFurnishedRoom) {
     EXPECT_EQ(holes(), 0u) << "a closed room seen from inside";
     compare(scene, camera, 12);
   }
+}
+
+/// Where two walls meet a pixel's point stays in front of both, also where the pixel's centre lies on the edge to the bit.
+TEST_F(GBufferTest, PointsOnEdgesStayInFrontOfTheNextWall) {
+  Scene scene;
+  test::addRoom(scene, -1, 1, test::addMaterial(scene));
+  constexpr int kColumn = kWidth - 8;  // its centres see the edge between the far wall and the right one
+  const float across = 2 * (static_cast<float>(kColumn) + 0.5f) / kWidth - 1, aspect = static_cast<float>(kWidth) / kHeight;
+  render(scene, lookingAt(vec3(0), vec3(0, 0, -1), 2 * std::atan(1 / (across * aspect))));
+  size_t onEdges = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      ASSERT_TRUE(seen(x, y));
+      const vec3 p = rgb(position, x, y);
+      std::array<float, 3> gaps{1 - std::abs(p.x), 1 - std::abs(p.y), 1 - std::abs(p.z)};
+      std::sort(gaps.begin(), gaps.end());
+      EXPECT_NEAR(gaps[0], 0, 1e-6f);
+      EXPECT_GT(gaps[1], 1e-6f) << x << ", " << y;
+      onEdges += gaps[1] < 1e-5f;
+    }
+  }
+  EXPECT_GT(onEdges, 10u);
 }
 
 /// A sphere of n x 2n quads, smooth normals, its front inside.

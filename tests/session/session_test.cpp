@@ -1,4 +1,5 @@
 // The Session as a person drives it: edits that fail leave it as it was, edits that undo each other give the same picture.
+#include <chrono>
 #include <cmath>
 
 #include "engine/session/session_thread.h"
@@ -123,6 +124,87 @@ TEST_F(SessionTest, ReferenceIsCachedAndErrorsAreMeasuredAgainstIt) {
   const auto texels = session->measureErrors({"bias"}, "lightmap");
   ASSERT_EQ(texels.size(), 1u);
   EXPECT_LT(std::abs(texels[0].value), 0.03);
+}
+
+/// A reference that was left half-way is found again by the next session, and one that is done outlives what does not concern it.
+TEST_F(SessionTest, AReferenceLeftHalfWayGoesOnLater) {
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  preset.parameters["reference.samples"] = "262144";
+  double done = 0;
+  {
+    auto session = makeSession();
+    session->load(preset);
+    session->settle();
+    session->setReferenceWanted(true);
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < std::chrono::seconds(9)) done = session->frame()->reference.done;
+    ASSERT_GT(done, 0);
+    ASSERT_LT(done, 1);
+    // Neither fewer bounces nor another technique and back ask for a new one.
+    session->setParam("radiosity.bounces", "3");
+    EXPECT_GE(session->frame()->reference.done, done);
+    session->setTechnique("none");
+    EXPECT_GE(session->frame()->reference.done, 0.5 * done);  // of two runs, where the technique wants one of its own
+    expectNoMessages(*session);
+  }
+  auto again = makeSession();
+  again->load(preset);
+  again->settle();
+  again->setReferenceWanted(true);
+  const auto first = again->frame();
+  EXPECT_GT(first->reference.done, 0.5 * done);  // whole passes are kept
+}
+
+/// A value near the given one that the parameter also takes.
+std::string anotherValue(const ParamInfo& info, ParamValue value) {
+  if (info.type == ParamType::Float) {
+    const double now = static_cast<double>(std::get<float>(value)), doubled = now > 0 ? 2 * now : 0.1 * info.softMax;
+    return formatParam(info, static_cast<float>(doubled <= info.max ? doubled : 0.5 * now));
+  }
+  const int32_t now = std::get<int32_t>(value);
+  if (info.type == ParamType::Bool) return formatParam(info, 1 - now);
+  if (info.type == ParamType::Enum) return formatParam(info, (now + 1) % static_cast<int32_t>(info.values.size()));
+  return formatParam(info, now + 1 <= static_cast<int32_t>(info.max) ? now + 1 : now - 1);
+}
+
+/// What an edit leaves is what a preset of it loads: for every parameter, whatever is derived from it.
+TEST_F(SessionTest, EveryParameterEditedEqualsThePresetOfIt) {
+  auto edited = makeSession(), loaded = makeSession();
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  preset.width = 24, preset.height = 18;
+  preset.parameters["lightmap.resolution"] = "32";
+  preset.parameters["radiosity.samples"] = "64";
+  edited->load(preset);
+  edited->settle();
+  size_t tried = 0;
+  std::vector<std::string> keys;
+  for (const ParamView& group : edited->params().views())
+    for (const ParamInfo& info : group.infos())
+      if (info.group != "reference") keys.push_back(info.key());  // that one changes no picture
+  for (const std::string& key : keys) {
+    const auto [view, info] = edited->params().find(key);
+    const std::string before = formatParam(*info, view->get(*info)), other = anotherValue(*info, view->get(*info));
+    if (other == before) continue;
+    edited->setParam(key, other);
+    const std::string hash = edited->settle()->displayHash;
+    loaded->load(edited->preset());
+    EXPECT_EQ(loaded->settle()->displayHash, hash) << key << " = " << other;
+    edited->setParam(key, before);
+    ++tried;
+  }
+  EXPECT_GT(tried, 10u);
+}
+
+/// A setting that this device has no room for ends the technique and nothing else.
+TEST_F(SessionTest, WhatDoesNotFitIsSaidAndTheSessionGoesOn) {
+  auto session = makeSession();
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  session->load(preset);
+  const std::string hash = session->settle()->displayHash;
+  session->setResolution(8192, 8192);
+  EXPECT_FALSE(messageOf([&] { session->frame(); }, ErrorKind::TooLarge).empty());
+  session->setResolution(preset.width, preset.height);
+  EXPECT_EQ(session->settle()->displayHash, hash);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
   checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
   if (!onHost && 2 * scene.scene.triangles() > device_.maxTexelBufferElements())
-    throw Error(ErrorKind::Device, "radiosity: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
+    throw Error(ErrorKind::TooLarge, "radiosity: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                        std::to_string(device_.maxTexelBufferElements() / 2) + ")");
 
   LightmapTables tables = makeLightmapTables(scene.scene, atlas, scene.lightmap.dilation, progress);
@@ -72,7 +72,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
 
 void RadiosityBake::checkSize(const char* what, uint64_t bytes) const {
   if (bytes <= device_.maxStorageBufferBytes()) return;
-  throw Error(ErrorKind::Device, std::string(what) + ": " + std::to_string(bytes) + " bytes are more than a buffer of this device holds (" +
+  throw Error(ErrorKind::TooLarge, std::string(what) + ": " + std::to_string(bytes) + " bytes are more than a buffer of this device holds (" +
                                      std::to_string(device_.maxStorageBufferBytes()) + "); lower lightmap.resolution");
 }
 

@@ -15,7 +15,7 @@ namespace hl {
 
 class RadiosityBake {
  public:
-  /// Allocates everything. @throws Error(Device) naming what does not fit; Error(Cancelled)
+  /// Allocates everything. @throws Error(TooLarge) naming what does not fit; Error(Cancelled)
   RadiosityBake(Gpu&, const SceneView&, const RadiosityParams&, Progress&);
 
   /// Light or parameters changed. What rays hit is kept as long as it is still true.

@@ -36,6 +36,7 @@ std::vector<std::pair<std::string, double>> RadiosityBake::counters() const {
   const AtlasReport& report = scene_.atlas->report;
   std::vector<std::pair<std::string, double>> list = {{"lumels", lumels_},
                                                       {"invalid_texels", static_cast<double>(report.insideTexels)},
+                                                      {"opened_texels", static_cast<double>(report.openedTexels)},
                                                       {"overlapping_texels", static_cast<double>(report.overlappingTexels)},
                                                       {"uncovered_area", report.uncoveredArea},
                                                       {"bounces", bounce_},
