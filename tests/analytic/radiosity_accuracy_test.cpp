@@ -55,5 +55,31 @@ TEST_F(SessionTest, FurnaceSphereOfTheSceneFolder) {
   expectNoMessages(*session);
 }
 
+/// As shipped: a 4 m cube of albedo 0.5 with 10 000 W in it. Means over all surfaces, by area.
+TEST_F(SessionTest, SmallEmitterBoxOfTheSceneFolder) {
+  auto session = makeSession();
+  Preset preset = smallPreset("small_emitter_box", "radiosity");
+  preset.parameters["reference.samples"] = "512";
+  preset.parameters["reference.direct_samples"] = "256";
+  preset.parameters["radiosity.bounces"] = "64";
+  session->load(preset);
+  session->settle();
+  const auto truth = session->reference("lightmap");
+  const ReferenceImage direct = truth->directImage(), indirect = truth->indirectImage(kAllBounces);
+  const std::vector<vec3> baked = session->technique().lightmapIrradiance();
+  double area = 0, all = 0, bounced = 0, radiosity = 0;
+  for (size_t i = 0; i < session->atlas()->lumels.size(); ++i) {
+    const double a = static_cast<double>(session->atlas()->lumels[i].area);
+    area += a;
+    all += a * static_cast<double>(direct.mean.data[3 * i] + indirect.mean.data[3 * i]);
+    bounced += a * static_cast<double>(indirect.mean.data[3 * i]);
+    radiosity += a * static_cast<double>(baked[i].x);
+  }
+  EXPECT_NEAR(all / area, 208.333, 0.005 * 208.333);
+  EXPECT_NEAR(bounced / area, 104.167, 0.005 * 104.167);
+  EXPECT_NEAR(radiosity / area, 104.167, 0.01 * 104.167);
+  expectNoMessages(*session);
+}
+
 }  // namespace
 }  // namespace hl::test
