@@ -147,7 +147,8 @@ std::string resultsText(const RunResults& r) {
   for (const ErrorValue& e : r.errors)
     out += fmt::format("  {:<8} {:<8} {:<9} {:<8} {:12.5g} {:12.2g} {:12.2g}{}\n", e.reference, e.target, e.component,
                        e.metric, e.value, e.standardError, e.noiseFloor,
-                       e.roi.empty() ? "" : fmt::format("  in {}", e.roi));
+                       (e.roi.empty() ? "" : fmt::format("  in {}", e.roi)) +
+                           (e.value < e.noiseFloor && e.metric != "psnr" ? "  (less than the reference's noise: more samples tell more)" : ""));
   if (!r.files.empty()) out += fmt::format("written to {}: {}\n", r.folder, fmt::join(r.files, ", "));
   return out;
 }
