@@ -1,4 +1,6 @@
 // The window stays responsive whatever the engine does: import, bake and reference, with someone at work on it meanwhile.
+#include <QJsonDocument>
+#include <QJsonObject>
 #include <QTemporaryDir>
 #include <QTest>
 #include <algorithm>
@@ -110,8 +112,13 @@ class ResponsivenessTest : public QObject {
   static void stopAndJudge(const char* what, Heartbeat& heartbeat) {
     app().stopMeasuring();
     heartbeat.stop();
-    std::printf("%s: %s\n", what, responsivenessJson(heartbeat, app()).c_str());
+    const std::string told = responsivenessJson(heartbeat, app());  // what --measure-ui prints
+    std::printf("%s: %s\n", what, told.c_str());
     std::fflush(stdout);
+    const QJsonObject figures = QJsonDocument::fromJson(QByteArray::fromStdString(told)).object();
+    QCOMPARE(figures["raw"].toObject().keys(), figures["corrected"].toObject().keys());
+    QVERIFY(figures["raw"]["late_ms_max"].toDouble() >= figures["corrected"]["late_ms_max"].toDouble());
+    QVERIFY(figures["corrected"]["late_ms_max"].toDouble() > 0);
     QVERIFY2(app().longestEvent().ms.corrected < kLimitMs, app().longestEvent().corrected.c_str());
     QVERIFY2(app().longestSleep().ms.corrected < kSleepLimitMs, app().longestSleep().corrected.c_str());
     QVERIFY(heartbeat.quantile(0.99, Figure::Corrected) < kLimitMs);
