@@ -115,7 +115,7 @@ void MeasuredApplication::startMeasuring() {
   measuring_ = true;
   events_ = 0;
   stolenMs_ = 0;
-  longestEvent_ = longestSleep_ = {};
+  longestEvent_ = longestSleep_ = longestSleepInPainting_ = {};
   slowEvents_.clear();
   slowSleeps_.clear();
 }
@@ -124,6 +124,7 @@ bool MeasuredApplication::notify(QObject* receiver, QEvent* event) {
   if (!measuring_ || depth_ > 0) return QApplication::notify(receiver, event);
   // Both may be gone when it returns.
   const std::string name = std::string(receiver->metaObject()->className()) + ": event " + std::to_string(static_cast<int>(event->type()));
+  const bool painting = event->type() == QEvent::UpdateRequest;
   stolen_.take();
   const ThreadTimes before = clock_.now();
   ++depth_;
@@ -137,7 +138,7 @@ bool MeasuredApplication::notify(QObject* receiver, QEvent* event) {
   stolenMs_ += stolen;
   ++events_;
   keep(measured(running, stolen), name, longestEvent_, slowEvents_);
-  keep(measured(asleep, stolen), name, longestSleep_, slowSleeps_);
+  keep(measured(asleep, stolen), name, painting ? longestSleepInPainting_ : longestSleep_, slowSleeps_);
   return result;
 }
 
@@ -150,9 +151,9 @@ std::string responsivenessJson(const Heartbeat& heartbeat, const MeasuredApplica
     const auto &event = app.longestEvent(), &sleep = app.longestSleep();
     return fmt::format(
         R"({{"late_ms_p50": {:.2f}, "late_ms_p99": {:.2f}, "late_ms_max": {:.2f}, "event_thread_ms_max": {:.2f}, "longest_event": "{}", )"
-        R"("events_over_{:.0f}_ms": {}, "event_asleep_ms_max": {:.2f}, "longest_sleep": "{}"}})",
+        R"("events_over_{:.0f}_ms": {}, "event_asleep_ms_max": {:.2f}, "longest_sleep": "{}", "painting_asleep_ms_max": {:.2f}}})",
         heartbeat.quantile(0.5, f), heartbeat.quantile(0.99, f), heartbeat.quantile(1, f), event.ms.of(f), raw ? event.raw : event.corrected, kLimitMs,
-        app.eventsOver(kLimitMs, f), sleep.ms.of(f), raw ? sleep.raw : sleep.corrected);
+        app.eventsOver(kLimitMs, f), sleep.ms.of(f), raw ? sleep.raw : sleep.corrected, app.longestSleepInPainting().ms.of(f));
   };
   return fmt::format(R"({{"beats": {}, "events": {}, "stolen_ms": {:.0f}, "raw": {}, "corrected": {}}})", heartbeat.beats(), app.events(), app.stolenMs(),
                      figures(Figure::Raw), figures(Figure::Corrected));

@@ -92,9 +92,11 @@ class MeasuredApplication : public QApplication {
   /// Stolen while events ran [ms].
   double stolenMs() const { return stolenMs_; }
   const Longest& longestEvent() const { return longestEvent_; }
+  /// Painting apart: Qt hands parts of it to threads of its own, down to the lines of a scroll bar, and waits for each.
   const Longest& longestSleep() const { return longestSleep_; }
+  const Longest& longestSleepInPainting() const { return longestSleepInPainting_; }
   size_t eventsOver(double ms, Figure) const;
-  size_t sleepsOver(double ms, Figure) const;
+  size_t sleepsOver(double ms, Figure) const;  ///< painting included
 
  private:
   bool measuring_ = false;
@@ -103,7 +105,7 @@ class MeasuredApplication : public QApplication {
   double stolenMs_ = 0;
   StolenTime stolen_;
   ThreadClock clock_;
-  Longest longestEvent_, longestSleep_;
+  Longest longestEvent_, longestSleep_, longestSleepInPainting_;
   std::vector<MeasuredTime> slowEvents_, slowSleeps_;  ///< those above 10 ms, raw
 };
 

@@ -28,9 +28,10 @@ using namespace hl::ui;
 
 constexpr int kLongest = 240000;      // ms
 constexpr double kLimitMs = 50;
-// An event of the window waits for Qt's own painting threads alone, each of which gets its turn among whatever else the machine does (measured: 8 ms with
-// three programs on two processors). What waits for the engine waits for a frame, an import or a unit of the bake: hundreds of milliseconds.
-constexpr double kSleepLimitMs = 100;
+// What waits for the engine waits for a frame, an import or a unit of the bake: hundreds of milliseconds. Painting has a bound of its own, for it waits for
+// Qt's painting threads, each of which gets its turn among whatever else the machine does (measured on two processors: 12 ms, and 71 ms at a load of 8; all
+// other events together 4 ms at most).
+constexpr double kSleepLimitMs = 50, kPaintingSleepLimitMs = 150;
 constexpr size_t kLeastBeats = 2000;  // some 15 s
 
 double threadMs() {
@@ -121,6 +122,7 @@ class ResponsivenessTest : public QObject {
     QVERIFY(figures["corrected"]["late_ms_max"].toDouble() > 0);
     QVERIFY2(app().longestEvent().ms.corrected < kLimitMs, app().longestEvent().corrected.c_str());
     QVERIFY2(app().longestSleep().ms.corrected < kSleepLimitMs, app().longestSleep().corrected.c_str());
+    QVERIFY2(app().longestSleepInPainting().ms.corrected < kPaintingSleepLimitMs, app().longestSleepInPainting().corrected.c_str());
     QVERIFY(heartbeat.quantile(0.99, Figure::Corrected) < kLimitMs);
   }
 
@@ -237,6 +239,7 @@ class ResponsivenessTest : public QObject {
     QTest::qWait(400);
     other.join();
     app().stopMeasuring();
+    QVERIFY(app().longestSleep().ms.corrected > kPaintingSleepLimitMs);
     QCOMPARE(app().sleepsOver(kSleepLimitMs, Figure::Corrected), size_t(1));
     QVERIFY(app().longestEvent().ms.corrected < kLimitMs);
     QTRY_VERIFY(heartbeat.quantile(1, Figure::Corrected) >= 70);
