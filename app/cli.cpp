@@ -5,8 +5,10 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <charconv>
 #include <clocale>
 #include <cstdio>
+#include <limits>
 #include <new>
 
 #include "app/cli_commands.h"
@@ -32,11 +34,34 @@ CLI::Option* repeated(CLI::App* command, const char* name, T& values, const char
   return command->add_option(name, values, help)->allow_extra_args(false)->take_all();
 }
 
+/// Whole numbers from `least` to `most`. CLI11 would say no more than that a text could not be converted.
+CLI::Validator wholeNumber(int64_t least, int64_t most) {
+  const auto check = [least, most](const std::string& text) {
+    int64_t v = 0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), v);
+    const bool good = end.ec == std::errc() && end.ptr == text.data() + text.size() && v >= least && v <= most;
+    return good ? std::string() : fmt::format("a whole number from {} to {} is wanted, not {}", least, most, text);
+  };
+  return CLI::Validator(check, "");
+}
+
+/// Numbers from `least` to `most`; NaN and the infinities are none. (CLI::Range lets NaN pass.)
+CLI::Validator finiteNumber(double least, double most) {
+  const auto check = [least, most](const std::string& text) {
+    double v = 0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), v);
+    const bool good = end.ec == std::errc() && end.ptr == text.data() + text.size() && v >= least && v <= most;
+    return good ? std::string() : fmt::format("a number from {} to {} is wanted, not {}", least, most, text);
+  };
+  return CLI::Validator(check, "");
+}
+
 void defineGlobal(CLI::App& app, GlobalOptions& global) {
   app.add_option("--device", global.device, "Vulkan device: its index in `list devices`, or part of its name");
   app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree or bvh");
   app.add_flag("--verbose", global.verbose, "Say more on stderr");
-  app.add_flag("--validation", global.validation, "Validation layers on; any message fails the run");
+  app.add_flag("--validation", global.validation, "Validation layers on; any message fails the run")
+      ->envname("HALFLIGHT_VALIDATION");
   app.add_flag("--json", global.json, "Print one JSON document and nothing else");
   app.set_version_flag("--version", HALFLIGHT_VERSION);
 }
@@ -46,13 +71,14 @@ void defineRender(CLI::App& app, RenderOptions& o) {
   c->add_option("TARGET", o.target, "Preset, scene, mesh, or an image that carries its preset")->required();
   c->add_option("--technique", o.technique, "In place of the preset's");
   repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
-  c->add_option("--frames", o.frames, "Exactly so many frames")->check(CLI::Range(1, 1'000'000));
+  c->add_option("--frames", o.frames, "Exactly so many frames")->check(wholeNumber(1, 1'000'000));
   c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
   c->add_option("--camera", o.camera, "One of the scene's cameras");
-  c->add_option("--seed", o.seed, "Seed of the random sequences");
+  c->add_option("--seed", o.seed, "Seed of the random sequences")
+      ->check(wholeNumber(0, std::numeric_limits<uint32_t>::max()));
   c->add_option("--view", o.view,
                 "What picture.png shows: final, indirect, direct, albedo, a view of the technique ...");
-  c->add_option("--exposure", o.exposure, "Of picture.png, in stops")->check(CLI::Range(-64.0, 64.0));
+  c->add_option("--exposure", o.exposure, "Of picture.png, in stops")->check(finiteNumber(-64, 64));
   repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
       ->delimiter(',');
   repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');
@@ -62,7 +88,7 @@ void defineRender(CLI::App& app, RenderOptions& o) {
 void defineReference(CLI::App& app, ReferenceOptions& o) {
   CLI::App* c = app.add_subcommand("reference", "Path trace the truth");
   c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
-  c->add_option("--spp", o.samples, "Paths a pixel or texel");
+  c->add_option("--spp", o.samples, "Paths a pixel or texel")->check(wholeNumber(1, std::numeric_limits<int>::max()));
   c->add_option("--bounces", o.bounces, "Indirect bounces: a number, or inf");
   c->add_flag("--diffuse-only", o.diffuseOnly,
               "Diffuse reflection alone, which is all that materials have in this version");

@@ -2,6 +2,7 @@
 // The commands of halflight-cli. Each prints to stdout and returns the exit code; bad input and failures are thrown as
 // hl::Error.
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,5 +74,12 @@ void setResolution(Preset&, const std::string& text);
 void setParameters(Preset&, const std::vector<std::string>& pairs);
 /// @throws Error(BadInput) naming the nearest known metric.
 void checkMetrics(const std::vector<std::string>&);
+
+/// Before any work is done for it: that files can be written into the folder, or that it could be made. Leaves nothing
+/// behind. @throws Error(BadInput)
+void checkOutputFolder(const std::string& option, const std::filesystem::path& folder);
+/// Likewise for one image, by the extension (of those given, in any case) and the folder, which has to be there.
+void checkOutputImage(const std::string& option, const std::filesystem::path& file,
+                      const std::vector<std::string>& extensions);
 
 }  // namespace hl::cli

@@ -120,6 +120,7 @@ int compare(const GlobalOptions& global, const CompareOptions& o) {
   std::vector<std::string> metrics = o.metrics;
   if (metrics.empty())
     for (const MetricInfo& m : metricInfos()) metrics.emplace_back(m.id);
+  if (!o.map.empty()) checkOutputImage("--map", o.map, {".exr", ".pfm", ".png"});
   // Two pictures as shown are compared as they are stored; one of them against a linear image is made linear first.
   const bool shown = displayReferred(o.value) && displayReferred(o.reference);
   const Image a = rgbOf(readImage(o.value, !shown)), b = rgbOf(readImage(o.reference, !shown));

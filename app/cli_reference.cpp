@@ -35,6 +35,7 @@ void setBounces(Preset& preset, const std::string& text) {
   preset.parameters["reference.bounces"] = fmt::format("{}", number ? v : 0);
 }
 
+/// The preset that the command line asks for, checked before any device is touched.
 Preset wantedPreset(const ReferenceOptions& o) {
   Preset preset = openTarget(o.target);
   if (!o.lightmap) {
@@ -48,6 +49,7 @@ Preset wantedPreset(const ReferenceOptions& o) {
   if (o.samples) preset.parameters["reference.samples"] = fmt::format("{}", *o.samples);
   setBounces(preset, o.bounces);
   setParameters(preset, o.set);
+  if (!o.out.empty()) checkOutputImage("--out", o.out, {".exr", ".pfm"});  // the values are linear
   return preset;
 }
 
@@ -99,8 +101,6 @@ std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool l
 
 void save(std::vector<Written>& images, const std::string& out, const Session& session) {
   const fs::path first(out);
-  if (first.extension() != ".exr" && first.extension() != ".pfm")
-    throw badInput(fmt::format("--out {}: an .exr or .pfm file is wanted, since the values are linear", out));
   const auto attributes = imageAttributes(session.preset(), session.provenance());
   for (size_t i = 0; i < images.size(); ++i) {
     fs::path file = first;

@@ -36,6 +36,7 @@ Preset wantedPreset(const RenderOptions& o) {
   for (const std::string& target : o.errorTargets)
     if (target != "image" && target != "lightmap")
       throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
+  if (!o.out.empty()) checkOutputFolder("--out", o.out);
   return preset;
 }
 

@@ -3,18 +3,24 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
 #include "app/cli_commands.h"
 #include "engine/core/error.h"
+#include "engine/core/files.h"
 #include "engine/core/log.h"
 #include "engine/experiment/open_target.h"
 
 namespace hl::cli {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 std::shared_ptr<Progress> interrupted;  // what Ctrl-C cancels
@@ -114,6 +120,37 @@ void checkMetrics(const std::vector<std::string>& metrics) {
     throw badInput(fmt::format("unknown metric {}; {}there are {}", m,
                                near.empty() ? "" : fmt::format("did you mean {}? ", near), fmt::join(known, ", ")));
   }
+}
+
+void checkOutputFolder(const std::string& option, const fs::path& folder) {
+  std::error_code failed;
+  fs::path there = folder;  // the deepest folder of the path that exists: the others would be made in it
+  while (!there.empty() && !fs::exists(there, failed) && there != there.parent_path()) there = there.parent_path();
+  if (there.empty()) there = ".";
+  if (!fs::is_directory(there, failed))
+    throw badInput(fmt::format("{} {}: {} is no folder", option, folder.string(), there.string()));
+  // Permissions say less than a try: the file system may be read-only, or refuse files.
+  try {
+    const fs::path probe = temporaryBeside(there / "probe");
+    writeFileAtomically(probe, "");
+    fs::remove(probe, failed);
+  } catch (const Error& e) {
+    throw badInput(fmt::format("{} {}: nothing can be written there: {}", option, folder.string(), e.what()));
+  }
+}
+
+void checkOutputImage(const std::string& option, const fs::path& file, const std::vector<std::string>& extensions) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
+    throw badInput(fmt::format("{} {}: a file {} is wanted", option, file.string(), fmt::join(extensions, " or ")));
+  std::error_code failed;
+  if (fs::is_directory(file, failed)) throw badInput(fmt::format("{} {}: this is a folder", option, file.string()));
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::exists(folder, failed))
+    throw badInput(fmt::format("{} {}: there is no folder {}", option, file.string(), folder.string()));
+  checkOutputFolder(option, folder);
 }
 
 }  // namespace hl::cli

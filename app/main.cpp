@@ -35,7 +35,8 @@ Arguments parse(const QCoreApplication& app) {
   const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
   const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
   const QCommandLineOption measure("measure-ui",
-                                   QCoreApplication::translate("main", "Measure the window's own responsiveness, and print it as JSON at the end."));
+                                   QCoreApplication::translate("main", "Measure the window's own responsiveness, and print it as JSON at the end: raw, and with the time that "
+                                                               "a virtual machine's host took subtracted (corrected)."));
   parser.addOptions({device, tracer, measure});
   parser.process(app);
   if (parser.positionalArguments().size() > 1) {
@@ -75,10 +76,6 @@ int main(int argc, char** argv) {
   hl::ui::Heartbeat heartbeat;
   if (arguments.measure) heartbeat.start(), app.startMeasuring();
   const int code = QApplication::exec();
-  if (arguments.measure)
-    std::printf("{\"beats\": %zu, \"late_ms_p50\": %.2f, \"late_ms_p99\": %.2f, \"late_ms_max\": %.2f, \"events\": %zu, "
-                "\"event_thread_ms_max\": %.2f, \"longest_event\": \"%s\", \"events_over_50_ms\": %zu}\n",
-                heartbeat.beats(), heartbeat.quantile(0.5), heartbeat.quantile(0.99), heartbeat.quantile(1), app.events(), app.longestEventMs(),
-                app.longestEvent().c_str(), app.eventsOver(50));
+  if (arguments.measure) std::printf("%s\n", hl::ui::responsivenessJson(heartbeat, app).c_str());
   return code;
 }

@@ -21,8 +21,8 @@ struct Frame {
 
 Frame worldFrame(vec3 up) {
   const vec3 u = glm::normalize(up);
-  const vec3 helper = std::abs(u.z) < 0.9f ? vec3(0, 0, 1) : vec3(1, 0, 0);
-  const vec3 right = glm::normalize(glm::cross(u, helper));
+  const vec3 notParallel = std::abs(u.z) < 0.9f ? vec3(0, 0, 1) : vec3(1, 0, 0);
+  const vec3 right = glm::normalize(glm::cross(u, notParallel));
   return {right, u, glm::cross(right, u)};
 }
 

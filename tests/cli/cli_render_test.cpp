@@ -129,6 +129,7 @@ TEST(CliRender, CtrlCKeepsWhatIsDone) {
              {}, 8);
   EXPECT_EQ(r.code, 130) << r.err;
   EXPECT_NE(r.err.find("cancelled"), std::string::npos) << r.err;
+  EXPECT_EQ(r.err.find("Vulkan: "), std::string::npos) << "a message of the validation layers: " << r.err;
   EXPECT_TRUE(json::parse(r.out).at("cancelled").get<bool>());
 }
 
@@ -181,6 +182,25 @@ TEST(CliDevice, WithoutOneTheExitCodeIsThree) {
   EXPECT_FALSE(json::parse(devices.out).empty());
   expectFailure(runCli({"render", "cornell_box", "--device", "no such device"}), 2, {"no such device"});
   expectFailure(runCli({"render", "cornell_box", "--tracer", "embre"}), 2, {"embre"});
+}
+
+// The layer is told, by its own variable, to complain of what is not wrong (best practices): a run that would pass
+// fails.
+TEST(CliValidation, AMessageFailsTheRun) {
+  const std::vector<std::string> run = {"render", "cornell_box",  "--technique", "none",  "--frames",
+                                        "1",      "--resolution", "16x9",        "--json"};
+  const std::string complain = "VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_BEST_PRACTICES_EXT";
+  const CliResult fails = runCli(run, {"HALFLIGHT_VALIDATION=1", complain});
+  EXPECT_EQ(fails.code, 1);
+  EXPECT_NE(fails.err.find("BestPractices"), std::string::npos) << fails.err;
+  EXPECT_EQ(runCli(run, {"HALFLIGHT_VALIDATION=0", complain}).code, 0);
+  const CliResult passes = runCli(run, {"HALFLIGHT_VALIDATION=1"});
+  EXPECT_EQ(passes.code, 0) << passes.err;
+  std::vector<std::string> asked = run;
+  asked.emplace_back("--validation");
+  EXPECT_EQ(runCli(asked, {"HALFLIGHT_VALIDATION=0", complain}).code, 1)
+      << "the option stands whatever the variable says";
+  EXPECT_EQ(runCli(run, {"HALFLIGHT_VALIDATION=perhaps"}).code, 2);
 }
 
 class CliBadScene : public ::testing::Test {

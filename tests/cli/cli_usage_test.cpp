@@ -15,9 +15,10 @@ namespace {
 
 using nlohmann::json;
 
-/// Bad usage: nothing on stdout, one line on stderr that contains `part`, exit code 2.
+/// Bad usage: nothing on stdout, one line on stderr that contains `part`, exit code 2. There is no device to be had: a
+/// command that touches one first exits with 3.
 void expectRefusal(const std::vector<std::string>& arguments, const std::string& part) {
-  const CliResult r = runCli(arguments);
+  const CliResult r = runCli(arguments, {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"});
   std::string command;
   for (const std::string& a : arguments) command += a + " ";
   EXPECT_EQ(r.code, 2) << command << r.err;
@@ -57,6 +58,42 @@ TEST(CliUsage, ParametersAreCheckedBeforeADeviceIsTouched) {
   expectRefusal({"reference", "cornell_box", "--spp", "1"}, "reference.samples = 1: out of range");
 }
 
+TEST(CliUsage, NumbersAreFiniteAndInRange) {
+  for (const char* number : {"nan", "inf", "infinity", "1e999", "65", "-65", "bright", "0x1"})
+    expectRefusal({"render", "cornell_box", std::string("--exposure=") + number}, "a number from -64 to 64 is wanted");
+  for (const char* number : {"-3", "4294967296", "1.5", "nan", "one", "1e3"})
+    expectRefusal({"render", "cornell_box", "--seed", number},
+                  std::string("--seed: a whole number from 0 to 4294967295 is wanted, not ") + number);
+  expectRefusal({"render", "cornell_box", "--frames", "2.5"}, "a whole number from 1 to 1000000 is wanted, not 2.5");
+  expectRefusal({"reference", "cornell_box", "--spp", "-4"}, "a whole number from 1 to 2147483647 is wanted, not -4");
+  for (const char* number : {"nan", "inf", "-inf"})
+    expectRefusal({"render", "cornell_box", "--set", std::string("radiosity.residual=") + number},
+                  "radiosity.residual");
+}
+
+TEST(CliUsage, WhereResultsGoIsCheckedBeforeADeviceIsTouched) {
+  const TemporaryFolder folder;
+  writeText(folder / "file", "this is no folder");
+  expectRefusal({"render", "cornell_box", "--out", folder / "file"}, "file is no folder");
+  expectRefusal({"render", "cornell_box", "--out", folder / "file/deeper/still"}, "file is no folder");
+  expectRefusal({"render", "cornell_box", "--out", "/proc/halflight"}, "nothing can be written there");
+  expectRefusal({"reference", "cornell_box", "--out", folder / "r.png"}, "r.png: a file .exr or .pfm is wanted");
+  expectRefusal({"reference", "cornell_box", "--out", folder / "r"}, ".exr or .pfm");
+  expectRefusal({"reference", "cornell_box", "--out", folder / "none/r.exr"}, "there is no folder");
+  expectRefusal({"reference", "cornell_box", "--out", "/proc/r.exr"}, "nothing can be written there");
+  std::filesystem::create_directory(folder.path() / "a.exr");
+  expectRefusal({"reference", "cornell_box", "--out", folder / "a.exr"}, "this is a folder");
+  // Nothing is left of the looking: this one is good, and what is missing is the device alone.
+  for (const std::string out : {"new/and/deeper", "made"}) {
+    const CliResult r = runCli({"render", "cornell_box", "--out", folder / out},
+                               {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"});
+    EXPECT_EQ(r.code, 3) << r.err;
+  }
+  size_t left = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) left += entry.exists() ? 1 : 0;
+  EXPECT_EQ(left, 2u) << "file and a.exr, which this test made";
+}
+
 TEST(CliUsage, PresetFilesAreCheckedBeforeADeviceIsTouched) {
   const TemporaryFolder folder;
   const std::string file = folder / "p.json";
@@ -79,6 +116,7 @@ TEST(CliUsage, HelpAndVersionGoToStdout) {
   EXPECT_EQ(help.code, 0);
   for (const char* command : {"list", "doctor", "render", "reference", "compare", "describe"})
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
+  EXPECT_NE(help.out.find("HALFLIGHT_VALIDATION"), std::string::npos) << help.out;
   for (const char* later : {"bench", "pack"}) EXPECT_EQ(help.out.find(later), std::string::npos) << later;
   EXPECT_EQ(help.err, "");
   const CliResult version = runCli({"--version"});
@@ -238,6 +276,7 @@ TEST_F(CliCompare, BadImagesAreRefused) {
   writeText(folder / "text.png", "this is no image");
   expectRefusal({"compare", fileA, folder / "text.png"}, "text.png");
   expectRefusal({"compare", fileA, fileA, "--metric", "msee"}, "did you mean mse?");
+  expectRefusal({"compare", fileA, fileA, "--map", folder / "m.jpg"}, ".exr or .pfm or .png is wanted");
 }
 
 }  // namespace

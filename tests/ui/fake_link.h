@@ -54,7 +54,7 @@ class FakeLink : public EngineLink {
   void saveScreenshot(std::shared_ptr<const FrameResult>, const Preset&, const QString&) override { note("screenshot"); }
   void restart() override { note("restart"); }
   void cancel() override { note("cancel"); }
-  void setVisible(bool) override {}
+  void setVisible(bool on) override { note(on ? "visible" : "hidden"); }
   void setPaused(bool on) override { note(on ? "paused" : "running"); }
   std::shared_ptr<const FrameResult> latest() const override { return frame; }
   std::shared_ptr<const Progress> progress() const override { return work; }

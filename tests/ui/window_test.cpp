@@ -220,6 +220,17 @@ class WindowTest : public QObject {
     QVERIFY(window_->windowTitle().contains("[*]") && window_->isWindowModified());
   }
 
+  /// Nobody sees its frames; but a bake is what people minimise a window for.
+  void aMinimisedWindowStopsFramesAndNoWork() {
+    link_->takeCalls();
+    window_->showMinimized();
+    QTRY_VERIFY(link_->calls.contains("hidden"));
+    QVERIFY(!link_->calls.contains("visible"));
+    window_->showNormal();
+    QTRY_VERIFY(link_->calls.contains("visible"));
+    for (const QString& call : link_->takeCalls()) QVERIFY2(call == "hidden" || call == "visible", qPrintable(call));
+  }
+
   void profilerCountsFramesOnce() {
     auto* profiler = window_->findChild<ProfilerPanel*>();
     const size_t before = profiler->bars().frames();
