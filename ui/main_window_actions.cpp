@@ -45,7 +45,10 @@ void MainWindow::buildMenus() {
     d.showInvalid = !d.showInvalid;
     document_.editDisplay(d, tr("invalid pixels"));
   });
-  view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] { viewport_->setFocus(); });
+  view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] {
+    viewport_->hidePick();
+    viewport_->setFocus();
+  });
   view->addSeparator();
   for (QDockWidget* dock : docks_) view->addAction(dock->toggleViewAction());
   view->addAction(tr("Reset &layout"), this, &MainWindow::resetLayout);

@@ -36,6 +36,7 @@ ShortcutsDialog::ShortcutsDialog(const QMenuBar& menus, QWidget* parent) : QDial
       {tr("Focus on a point and orbit round it"), tr("Double click")},
       {tr("Pick a point"), tr("Click")},
       {tr("Reference instead of the picture"), tr("Space, held")},
+      {tr("Samples behind a point, and its facts"), tr("Click; Esc hides them")},
       {tr("Go to a camera"), tr("1 to 9")},
       {tr("Keep the present camera"), tr("Ctrl+1 to Ctrl+9")},
       {tr("Open a preset, scene, mesh or screenshot"), tr("Drop it on the window")},

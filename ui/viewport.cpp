@@ -6,6 +6,8 @@
 #include <QWheelEvent>
 #include <algorithm>
 
+#include "ui/pick_overlay.h"
+
 namespace hl::ui {
 namespace {
 
@@ -56,6 +58,11 @@ void Viewport::setPaused(bool paused) {
   update();
 }
 
+void Viewport::hidePick() {
+  pickShown_ = false;
+  update();
+}
+
 QRectF Viewport::pictureRect() const {
   if (image_.isNull()) return rect();
   const QSizeF size = QSizeF(image_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
@@ -80,6 +87,7 @@ void Viewport::paintEvent(QPaintEvent*) {
     painter.setRenderHint(QPainter::SmoothPixmapTransform, scale < 3 && scale != 1);
     painter.drawImage(r, image_);
   }
+  if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
   drawLabels(painter);
 }
 
@@ -102,6 +110,8 @@ void Viewport::drawLabels(QPainter& painter) {
   if (spaceHeld_) title = frame_ && frame_->view == "reference" ? tr("Reference") : tr("Reference: waiting for the frame");
   if (paused_) title += (title.isEmpty() ? QString() : QStringLiteral("  ")) + tr("Paused");
   if (!title.isEmpty()) label(title, Qt::AlignTop | Qt::AlignLeft, white, shade);
+  if (const QString facts = pickShown_ && frame_ ? pickedFacts(*frame_) : QString(); !facts.isEmpty())
+    label(facts + '\n' + tr("Esc hides this"), Qt::AlignTop | Qt::AlignRight, white, shade);
   if (!notice_.isEmpty()) label(notice_, Qt::AlignBottom | Qt::AlignHCenter, white, QColor(140, 30, 20, 225));
 }
 
@@ -135,7 +145,10 @@ void Viewport::mouseMoveEvent(QMouseEvent* event) {
 
 void Viewport::mouseReleaseEvent(QMouseEvent* event) {
   if (dragged_ || event->button() == Qt::MiddleButton) return;
-  if (const auto pixel = pixelAt(event->position())) emit pixelPicked(pixel->x(), pixel->y());
+  if (const auto pixel = pixelAt(event->position())) {
+    pickShown_ = true;
+    emit pixelPicked(pixel->x(), pixel->y());
+  }
 }
 
 void Viewport::mouseDoubleClickEvent(QMouseEvent* event) {

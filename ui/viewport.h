@@ -44,6 +44,8 @@ class Viewport : public QWidget {
  public slots:
   /// What the session found under the pixel that focusWanted() named.
   void focusOn(const hl::vec3& point);
+  /// The samples of the picked point go out of sight until the next click.
+  void hidePick();
 
  protected:
   void paintEvent(QPaintEvent*) override;
@@ -66,6 +68,7 @@ class Viewport : public QWidget {
   QString waiting_, notice_;
   CameraController controller_;
   bool cameraKnown_ = false, paused_ = false, spaceHeld_ = false, dragged_ = false;
+  bool pickShown_ = false;  // since the last click, until Escape
   QPointF lastPosition_, pressPosition_;
   std::set<int> keys_;
   QTimer flyTimer_;

@@ -142,6 +142,34 @@ class WindowTest : public QObject {
     QVERIFY(!window_->viewport().pixelAt(r.topLeft() - QPointF(2, 2)));
   }
 
+  /// A click shows where the picked point's samples went, until Escape.
+  void aPickedPointsSamplesAreDrawn() {
+    Viewport& viewport = window_->viewport();
+    Camera camera;
+    camera.position = vec3(0, 0, 4), camera.target = vec3(0), camera.verticalFov = 0.6f;
+    viewport.setCamera(camera, 2);
+    auto frame = someFrame(2, window_->document().preset());
+    // Along the picture's middle row, to the right of its centre; the other one lies behind the camera and is not drawn.
+    frame->pick.samples = {{vec3(0.02f, 0, 0), vec3(1, 0, 0), vec3(0, 2, 0), 0.5f}, {vec3(0.02f, 0, 5), vec3(-1, 0, 6), vec3(9, 9, 9), 0.5f}};
+    frame->pick.facts = {{"texel", "(3, 4)"}};
+    link_->publish(frame);
+    const QRectF r = viewport.pictureRect();
+    const auto onTheLine = [&] {
+      const QImage shot = viewport.grab().toImage();
+      const QPointF p = r.topLeft() + QPointF(r.width() * 0.56, r.height() * 0.5);
+      int most = 0;
+      for (int dy = -2; dy <= 2; ++dy) most = std::max(most, shot.pixelColor((p + QPointF(0, dy)).toPoint() * shot.devicePixelRatio()).green());
+      return most;
+    };
+    QCOMPARE(onTheLine(), 0);  // nothing was clicked yet
+    QSignalSpy picked(&viewport, &Viewport::pixelPicked);
+    QTest::mouseClick(&viewport, Qt::LeftButton, {}, r.center().toPoint() - QPoint(20, 20));
+    QCOMPARE(picked.count(), 1);
+    QVERIFY(onTheLine() > 30);
+    QTest::keyClick(&viewport, Qt::Key_Escape);
+    QCOMPARE(onTheLine(), 0);
+  }
+
   void spaceShowsTheReferenceAndKeepsTheView() {
     link_->takeCalls();
     QTest::keyPress(&window_->viewport(), Qt::Key_Space);
