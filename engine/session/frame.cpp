@@ -120,7 +120,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   }
   // Measured on a schedule, and once more at the end, so that a settled session shows the numbers of what it shows.
   const bool referencesDone = s.referencesSettled();
-  const bool allSettled = s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
+  // A frame that worked shows what was there before its work: it is not the last to be measured.
+  const bool allSettled = !worked && s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
   const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
   if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled) && !p.cancelled()) {
     const double began = nowMs();
