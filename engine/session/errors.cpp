@@ -48,15 +48,16 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
       for (size_t c = 0; c < 3; ++c) value.data[i * 3 + c] = lightmap[i][static_cast<int>(c)];
     MeasureOptions byArea;
     for (const Lumel& l : s.atlas->lumels) byArea.weights.push_back(l.area);
+    const ReferenceImage truth = s.lightmapRun.result->indirectImage(bounces);
     for (const std::string& m : metrics)
-      out.push_back(valueOf(measure(m, value, s.lightmapRun.result->indirectImage(bounces), byArea), m, "matched", "lightmap", "indirect", ""));
+      out.push_back(valueOf(measure(m, value, truth, byArea), m, "matched", "lightmap", "indirect", ""));
     return out;
   }
   if (target != "image") throw badInput(fmt::format("error target '{}': it is image or lightmap", target));
   if (!s.full.result) return out;
   const SurfaceImages surfaces = s.surfaceImages();
   const Image direct = s.device.download(s.directImage), indirect = s.indirectIrradiance();
-  const Mask mask = surfaces.mask();
+  const Mask mask = maskOf(surfaces.position);
   if (!anySet(mask)) return out;
   const Image final = surfaces.composite(direct, indirect);
   std::vector<Mask> parts;
@@ -119,7 +120,7 @@ Image Session::errorMap(const std::string& metric, const std::string& reference)
   const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
   if (!run.result) throw badInput("error map: there is no reference yet");
   const Image indirect = s.indirectIrradiance();
-  const Mask mask = s.surfaceImages().mask();
+  const Mask mask = s.surfaceMask();
   if (!anySet(mask)) return Image(indirect.width, indirect.height, 1);
   const ReferenceImage truth = run.result->indirectImage(matched ? s.technique->transport().bounces : s.fullBounces());
   return measure(metric, indirect, truth, mask, true).map;

@@ -22,11 +22,13 @@ Image withoutAlpha(Image in) {
 
 }  // namespace
 
-Mask SurfaceImages::mask() const {
+Mask maskOf(const Image& position) {
   Mask mask(position.pixels());
-  for (size_t i = 0; i < mask.size(); ++i) mask[i] = seen(i);
+  for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
   return mask;
 }
+
+Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
 
 Image SurfaceImages::composite(const Image& direct, const Image& indirect) const {
   Image out(direct.width, direct.height, 3);
@@ -92,7 +94,7 @@ void Session::Impl::showHostView(FrameResult& result) {
     result.display = toneMapOnHost(linearImage(id), preset.display);
     return;
   }
-  const Mask mask = surfaceImages().mask();
+  const Mask mask = surfaceMask();
   if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
   const bool againstFull = id == "error_full";
   const ReferenceRun& run = !againstFull && matched.result ? matched : full;

@@ -30,10 +30,12 @@ struct SurfaceImages {
   vec3 sky{0.0f};
 
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
-  Mask mask() const;
   /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
   Image composite(const Image& direct, const Image& indirect) const;
 };
+
+/// Pixels that see a surface, from the G-buffer's positions.
+Mask maskOf(const Image& position);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
@@ -126,6 +128,7 @@ struct Session::Impl {
 
   // images.cpp
   SurfaceImages surfaceImages();
+  Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   void showHostView(FrameResult&);
   Image linearImage(const std::string& view);
