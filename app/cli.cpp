@@ -25,6 +25,7 @@ struct Arguments {
   RenderOptions render;
   ReferenceOptions reference;
   CompareOptions compare;
+  PackOptions pack;
   bool markdown = false, schema = false;
 };
 
@@ -109,6 +110,16 @@ void defineCompare(CLI::App& app, CompareOptions& o) {
   c->add_option("--map", o.map, "The first metric's map: .exr or .pfm as values, .png in false colours");
 }
 
+void definePack(CLI::App& app, PackOptions& o) {
+  CLI::App* c = app.add_subcommand("pack", "A preset and its scene in one file, for a machine without the meshes");
+  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  c->add_option("--out", o.out, "The bundle, FILE.hlb")->required();
+  c->add_flag("--references", o.references, "Trace the references first, and let them travel too");
+  repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+}
+
 void define(CLI::App& app, Arguments& a) {
   app.require_subcommand(0, 1);
   app.fallthrough();
@@ -122,6 +133,7 @@ void define(CLI::App& app, Arguments& a) {
   defineRender(app, a.render);
   defineReference(app, a.reference);
   defineCompare(app, a.compare);
+  definePack(app, a.pack);
   CLI::App* describe = app.add_subcommand("describe", "Every parameter");
   describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
   describe->add_flag("--schema", a.schema, "The JSON Schema of presets");
@@ -166,6 +178,7 @@ int dispatch(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("render")) return render(a.global, a.render);
   if (app.got_subcommand("reference")) return reference(a.global, a.reference);
   if (app.got_subcommand("compare")) return compare(a.global, a.compare);
+  if (app.got_subcommand("pack")) return pack(a.global, a.pack);
   return describe(a.markdown, a.schema);
 }
 

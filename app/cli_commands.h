@@ -46,11 +46,19 @@ struct CompareOptions {
   std::string map;
 };
 
+struct PackOptions {
+  std::string target, camera, resolution;
+  std::vector<std::string> set;
+  bool references = false;
+  std::string out;
+};
+
 int list(const GlobalOptions&, const std::string& what);
 int doctor(const GlobalOptions&, const std::string& scene);
 int render(const GlobalOptions&, const RenderOptions&);
 int reference(const GlobalOptions&, const ReferenceOptions&);
 int compare(const GlobalOptions&, const CompareOptions&);
+int pack(const GlobalOptions&, const PackOptions&);
 int describe(bool markdown, bool schema);
 
 /// The kinds that `list` knows.

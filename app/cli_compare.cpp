@@ -33,16 +33,6 @@ bool displayReferred(const std::string& file) {
   return false;
 }
 
-/// Grey as three equal channels, so that it can be compared with colour; alpha is left out.
-Image rgbOf(const Image& in) {
-  if (in.channels == 3) return in;
-  Image out(in.width, in.height, 3);
-  const size_t stride = static_cast<size_t>(in.channels);
-  for (size_t i = 0; i < in.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) out.data[i * 3 + c] = in.data[i * stride + (in.channels >= 3 ? c : 0)];
-  return out;
-}
-
 Mask regionMask(const std::string& region, const Image& image) {
   std::array<int, 4> v{};
   const char* at = region.data();

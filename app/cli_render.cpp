@@ -10,6 +10,7 @@
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
 #include "engine/core/image_io.h"
+#include "engine/core/import_module.h"
 #include "engine/experiment/open_target.h"
 
 namespace hl::cli {
@@ -66,20 +67,13 @@ class Folder {
     if (failed) throw badInput(fmt::format("--out {}: the folder cannot be made: {}", path, failed.message()));
     results_.folder = path;
   }
-  void image(Session& session, const char* view, const std::string& name) {
-    Image image = session.image(view);
-    image.metadata = attributes();
-    writeImage(path_ / name, image);
-    results_.files.push_back(name);
-  }
+  void image(Session& session, const char* view, const std::string& name) { write(session.image(view), name, ".exr"); }
   void picture() {
     const FrameResult& f = *results_.frame;
     Image image(f.width, f.height, 3);
     for (size_t i = 0; i < image.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(f.display[i * 4 + c]) / 255.0f;
-    image.metadata = attributes();
-    writeImage(path_ / "picture.png", image);
-    results_.files.emplace_back("picture.png");
+    write(std::move(image), "picture", ".png");
   }
   void results() {
     results_.files.emplace_back("result.json");
@@ -87,6 +81,14 @@ class Folder {
   }
 
  private:
+  /// As .pfm (three channels, nothing beside them) where the module that writes other formats is not there.
+  void write(Image image, const std::string& name, const char* extension) {
+    image.metadata = attributes();
+    const bool plain = !importMissing().empty();
+    const std::string file = name + (plain ? ".pfm" : extension);
+    writeImage(path_ / file, plain ? rgbOf(image) : image);
+    results_.files.push_back(file);
+  }
   std::map<std::string, std::string> attributes() const {
     return imageAttributes(results_.frame->preset, results_.frame->provenance);
   }
@@ -97,12 +99,12 @@ class Folder {
 void writeOut(Session& session, const std::string& path, RunResults& results) {
   Folder folder(path, results);
   folder.picture();
-  folder.image(session, "final", "final.exr");
-  folder.image(session, "indirect", "indirect.exr");
-  folder.image(session, "indirect_irradiance", "indirect_irradiance.exr");
+  folder.image(session, "final", "final");
+  folder.image(session, "indirect", "indirect");
+  folder.image(session, "indirect_irradiance", "indirect_irradiance");
   if (session.currentReference()) {
-    folder.image(session, "reference", "reference.exr");
-    folder.image(session, "reference_indirect", "reference_indirect_irradiance.exr");
+    folder.image(session, "reference", "reference");
+    folder.image(session, "reference_indirect", "reference_indirect_irradiance");
   }
   folder.results();
 }

@@ -26,6 +26,15 @@ std::string extensionOf(const fs::path& file) {
 
 }  // namespace
 
+Image rgbOf(const Image& in) {
+  if (in.channels == 3) return in;
+  Image out(in.width, in.height, 3);
+  const size_t stride = static_cast<size_t>(in.channels);
+  for (size_t i = 0; i < in.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) out.data[i * 3 + c] = in.data[i * stride + (in.channels >= 3 ? c : 0)];
+  return out;
+}
+
 Image readImage(const fs::path& file, bool srgbToLinear) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw badInput(fmt::format("{}: no such image", file.string()));

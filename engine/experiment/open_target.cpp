@@ -7,6 +7,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/image_io.h"
+#include "engine/experiment/bundle.h"
 #include "engine/experiment/json_reader.h"
 #include "engine/experiment/preset_parameters.h"
 
@@ -43,6 +44,7 @@ Preset openTarget(const std::string& nameOrPath) {
   // A folder beside the person may have a scene's name: only a path is taken for a folder.
   if (fs::is_directory(path) && path.has_parent_path())
     throw badInput(fmt::format("{}: this is a folder; a preset, scene, mesh or image is wanted", nameOrPath));
+  if (extension == kBundleExtension) return openBundle(path);
   if (extension == ".png" || extension == ".exr") return presetOfImage(path);
   if (extension == ".json" && fs::exists(path)) {
     // Only a preset names a scene; only a scene has a mesh or shapes.

@@ -1,6 +1,6 @@
 #pragma once
-// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, or an image
-// that carries its preset.
+// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, a bundle, or an
+// image that carries its preset.
 #include <filesystem>
 #include <string>
 

@@ -8,6 +8,7 @@
 #include "engine/core/files.h"
 #include "engine/scene/mesh_import.h"
 #include "engine/scene/scene_build.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_description.h"
 #include "engine/scene/scene_search.h"
 #include "engine/scene/shapes.h"
@@ -86,6 +87,17 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
 }  // namespace
 
 Scene loadScene(const std::string& nameOrPath, Progress* progress, const std::filesystem::path& beside) {
+  if (isBundleFile(beside)) {
+    const Archive bundle(beside, kBundleKind);
+    if (bundle.has(bundledScenePart(nameOrPath))) return bundledScene(bundle, nameOrPath);
+    return loadScene(nameOrPath, progress, beside.parent_path());
+  }
+  if (isBundleFile(nameOrPath)) {
+    const Archive bundle(nameOrPath, kBundleKind);
+    const std::vector<std::string> names = bundledScenes(bundle);
+    if (names.size() != 1) throw badInput(fmt::format("{}: it holds {} scenes ({}), one is wanted", nameOrPath, names.size(), fmt::join(names, ", ")));
+    return bundledScene(bundle, names.front());
+  }
   const std::filesystem::path file = findScene(nameOrPath, beside);
   Scene scene;
   if (isMeshFile(file)) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/log.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 #include "engine/session/session_impl.h"
 
@@ -185,7 +186,7 @@ void Session::load(const Preset& preset, Progress* progress) {
     found.view->set(*found.info, parseParam(*found.info, text));
   }
   checkView(preset.display.view, *technique);
-  const std::filesystem::path beside = preset.file.empty() ? std::filesystem::path() : preset.file.parent_path();
+  const std::filesystem::path beside = isBundleFile(preset.file) ? preset.file : preset.file.parent_path();
   auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   if (preset.lights) applyLights(*scene, *preset.lights);

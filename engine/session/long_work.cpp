@@ -9,6 +9,7 @@
 #include "engine/core/log.h"
 #include "engine/lightmap/inside.h"
 #include "engine/reference/receivers.h"
+#include "engine/reference/reference_state.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -184,6 +185,14 @@ void Session::Impl::runReference(double budgetMs, Progress& p) {
 }
 
 std::shared_ptr<const ReferenceResult> Session::currentReference() const { return impl_->full.result; }
+
+std::vector<std::filesystem::path> Session::referenceFiles() const {
+  std::vector<std::filesystem::path> files;
+  for (const ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun})
+    if (run->tracer && run->tracer->settled() && run->result)
+      files.push_back(referenceCacheFile(run->result->key, static_cast<uint32_t>(run->result->samplesPerPixel) / 2));
+  return files;
+}
 
 std::shared_ptr<const ReferenceResult> Session::reference(const std::string& target, Progress* progress) {
   Impl& s = *impl_;

@@ -1,5 +1,6 @@
 #pragma once
 // The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -130,6 +131,8 @@ class Session {
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
+  /// The cache's files of the references that are complete, for bundles.
+  std::vector<std::filesystem::path> referenceFiles() const;
 
   /// Linear images of the last frame: "final", "indirect", "direct", "albedo", a debug view. @throws Error(BadInput) naming the views there are.
   Image image(const std::string& view);
