@@ -59,7 +59,7 @@ CLI::Validator finiteNumber(double least, double most) {
 
 void defineGlobal(CLI::App& app, GlobalOptions& global) {
   app.add_option("--device", global.device, "Vulkan device: its index in `list devices`, or part of its name");
-  app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree or bvh");
+  app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree, bvh or pipeline");
   app.add_flag("--verbose", global.verbose, "Say more on stderr");
   app.add_flag("--validation", global.validation, "Validation layers on; any message fails the run")
       ->envname("HALFLIGHT_VALIDATION");

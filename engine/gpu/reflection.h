@@ -10,7 +10,7 @@
 
 namespace hl {
 
-enum class BindingKind { StorageBuffer, UniformBlock, StorageImage, SampledImage, TexelBuffer };
+enum class BindingKind { StorageBuffer, UniformBlock, StorageImage, SampledImage, TexelBuffer, AccelerationStructure };
 const char* kindName(BindingKind);
 
 struct ShaderBinding {

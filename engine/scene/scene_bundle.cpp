@@ -1,6 +1,7 @@
 #include "engine/scene/scene_bundle.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "engine/scene/scene_build.h"
 
@@ -20,6 +21,13 @@ std::vector<std::string> bundledScenes(const Archive& bundle) {
   for (const std::string& part : bundle.parts())
     if (part.starts_with(kScenes)) names.push_back(part.substr(kScenes.size()));
   return names;
+}
+
+std::string onlyScene(const Archive& bundle) {
+  const std::vector<std::string> names = bundledScenes(bundle);
+  if (names.size() != 1)
+    throw badInput(fmt::format("{}: it holds {} scenes ({}); one is wanted", bundle.file().string(), names.size(), fmt::join(names, ", ")));
+  return names.front();
 }
 
 Scene bundledScene(const Archive& bundle, const std::string& name) {

@@ -18,6 +18,8 @@ bool isBundleFile(const std::filesystem::path&);
 /// The part that holds scene `name`.
 std::string bundledScenePart(const std::string& name);
 std::vector<std::string> bundledScenes(const Archive&);
+/// The name of its one scene. @throws Error(BadInput) where it has another number of them, naming them
+std::string onlyScene(const Archive&);
 /// @throws ArchiveError naming the file and what is wrong with it.
 Scene bundledScene(const Archive&, const std::string& name);
 

@@ -92,13 +92,11 @@ Scene loadScene(const std::string& nameOrPath, Progress* progress, const std::fi
     if (bundle.has(bundledScenePart(nameOrPath))) return bundledScene(bundle, nameOrPath);
     return loadScene(nameOrPath, progress, beside.parent_path());
   }
-  if (isBundleFile(nameOrPath)) {
-    const Archive bundle(nameOrPath, kBundleKind);
-    const std::vector<std::string> names = bundledScenes(bundle);
-    if (names.size() != 1) throw badInput(fmt::format("{}: it holds {} scenes ({}), one is wanted", nameOrPath, names.size(), fmt::join(names, ", ")));
-    return bundledScene(bundle, names.front());
-  }
   const std::filesystem::path file = findScene(nameOrPath, beside);
+  if (isBundleFile(file)) {
+    const Archive bundle(file, kBundleKind);
+    return bundledScene(bundle, onlyScene(bundle));
+  }
   Scene scene;
   if (isMeshFile(file)) {
     scene = importMeshCached(file, 1, progress);
