@@ -21,7 +21,8 @@ namespace {
 
 /// A batch that fills the device without running for seconds.
 uint32_t rayCount(const Device& device) { return device.isCpu() ? 1u << 18 : 1u << 22; }
-constexpr int kRuns = 5;              // after one that is warm-up
+constexpr int kRuns = 9;              // after warming up
+constexpr double kWarmUpMs = 300;     // of work on a GPU
 /// Bytes copied at once: more than caches hold, no more than a buffer may have.
 uint64_t copyBytes(const Device& device) {
   return std::min<uint64_t>(device.isCpu() ? 64ull << 20 : 1ull << 30, device.maxStorageBufferBytes() / 16 * 16);
@@ -120,32 +121,42 @@ double passMs(const BatchTimings& timings) {
   return ms;
 }
 
-double millionRays(FrameGraph& graph, Tracer& tracer, const Buffer& rays, const Buffer& out, uint32_t count, Query query, Progress& progress) {
-  std::vector<double> ms;
-  for (int run = 0; run <= kRuns; ++run) {
+/// Runs `once` (which returns its milliseconds) until it is warm: compiled, and a GPU's clocks up. Then the median of kRuns.
+template <class Once>
+double medianMs(const Device& device, Progress& progress, const Once& once) {
+  double warm = 0;
+  do {
     progress.check();
-    tracer.record(graph, "doctor: rays", rays, out, count, query);
-    const BatchTimings t = graph.execute();
-    if (run > 0) ms.push_back(passMs(t));  // the first compiles
+    warm += once();
+  } while (!device.isCpu() && warm < kWarmUpMs);
+  std::vector<double> ms;
+  for (int run = 0; run < kRuns; ++run) {
+    progress.check();
+    ms.push_back(once());
   }
-  return count / (median(ms) * 1e3);
+  return median(std::move(ms));
+}
+
+double millionRays(const Device& device, FrameGraph& graph, Tracer& tracer, const Buffer& rays, const Buffer& out, uint32_t count, Query query, Progress& progress) {
+  return count / (1e3 * medianMs(device, progress, [&] {
+    tracer.record(graph, "doctor: rays", rays, out, count, query);
+    return passMs(graph.execute());
+  }));
 }
 
 /// Buffer to buffer by a compute shader, as the engine's own passes move data; every byte is read once and written once.
-double copyRate(Device& device, ShaderLibrary& shaders) {
+double copyRate(Device& device, ShaderLibrary& shaders, Progress& progress) {
   FrameGraph graph(device, shaders);
   const uint64_t bytes = copyBytes(device);
   const Buffer from = device.buffer("doctor: from", bytes), to = device.buffer("doctor: to", bytes);
   graph.clear("doctor: clear", from);
   graph.execute();
   const auto words = static_cast<uint32_t>(bytes / 16);
-  std::vector<double> ms;
-  for (int run = 0; run <= kRuns; ++run) {
+  const double ms = medianMs(device, progress, [&] {
     graph.compute("doctor: copy", "passes/copy.comp").bind("from", from, Access::Read).bind("to", to, Access::Write).push(words).dispatchThreads(words);
-    const double copied = passMs(graph.execute());
-    if (run > 0) ms.push_back(copied);
-  }
-  return static_cast<double>(bytes) / (median(ms) * 1e6);
+    return passMs(graph.execute());
+  });
+  return static_cast<double>(bytes) / (ms * 1e6);
 }
 
 void traceScene(Report& report, Device& device, ShaderLibrary& shaders, const std::string& name, Progress& progress) {
@@ -168,8 +179,8 @@ void traceScene(Report& report, Device& device, ShaderLibrary& shaders, const st
     if (listing.available) {
       const auto tracer = makeTracer(listing.id, device, shaders, scene, gpuScene, embree, pool, &progress);
       FrameGraph graph(device, shaders);
-      r.closest = millionRays(graph, *tracer, gather, hits, rays, Query::Closest, progress);
-      r.any = millionRays(graph, *tracer, visibility, bits, rays, Query::Any, progress);
+      r.closest = millionRays(device, graph, *tracer, gather, hits, rays, Query::Closest, progress);
+      r.any = millionRays(device, graph, *tracer, visibility, bits, rays, Query::Any, progress);
     }
     report.tracers.push_back(r);
   }
@@ -247,7 +258,7 @@ int doctor(const GlobalOptions& global, const std::string& scene) {
     report.device = device.info();
     report.found = true;
     ShaderLibrary shaders(device);
-    report.copyGbps = copyRate(device, shaders);
+    report.copyGbps = copyRate(device, shaders, *progress);
     traceScene(report, device, shaders, scene, *progress);
     finishProgress();
     print(global.json ? asJson(report) : asText(report));

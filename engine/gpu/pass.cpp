@@ -265,10 +265,8 @@ void resolve(Pass& pass, PipelineCache& pipelines, BatchArena& arena, Device::Im
   pass.pipeline = pipelines.get(request, pass.name, &created);
   if (created) pass.creationMs = pass.pipeline->creationMs;
 
-  for (size_t i = 0; i < pass.shaders.size(); ++i) {
-    pass.sets.push_back(arena.set(pass.pipeline->sets[i]));
-    resolver.stage(*pass.shaders[i], pass.sets.back());
-  }
+  for (VkDescriptorSetLayout layout : pass.pipeline->sets) pass.sets.push_back(arena.set(layout));
+  for (const auto& shader : pass.shaders) resolver.stage(*shader, pass.sets[shader->reflection.set]);
   resolver.checkLeftOver();
   if (pass.kind != Pass::Kind::Raster) return;
   for (const GpuImage& target : pass.targets.color) {

@@ -182,9 +182,12 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
     VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     info.bindingCount = static_cast<uint32_t>(bindings.size());
     info.pBindings = bindings.data();
-    VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device, &info, nullptr, &layout), pass);
-    pipeline->sets.push_back(layout);
+    // A stage that is left out leaves an empty set behind.
+    for (VkDescriptorSetLayoutCreateInfo none{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO}; pipeline->sets.size() <= shader->reflection.set;) {
+      pipeline->sets.push_back(VK_NULL_HANDLE);
+      const bool own = pipeline->sets.size() == shader->reflection.set + 1;
+      check(vkCreateDescriptorSetLayout(device, own ? &info : &none, nullptr, &pipeline->sets.back()), pass);
+    }
     if (shader->reflection.pushBytes > 0) {
       pipeline->pushStages |= static_cast<VkShaderStageFlags>(shader->stage);
       const auto bytes = static_cast<uint32_t>((shader->reflection.pushBytes + 3) / 4 * 4);

@@ -13,7 +13,7 @@ namespace hl {
 struct Pipeline {
   std::shared_ptr<Device::Impl> device;
   std::vector<std::shared_ptr<const Shader>> shaders;  ///< compute; or vertex, fragment; or ray generation, miss,
-                                                       ///< closest hit, any hit: shader i has descriptor set i
+                                                       ///< closest hit, any hit
   VkPipeline handle = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   std::vector<VkDescriptorSetLayout> sets;

@@ -189,6 +189,7 @@ ShaderReflection reflectAndRenumber(const std::string& shader, std::vector<uint3
     throw badInput(fmt::format("shader {}: not valid SPIR-V: {}", shader, spvc_context_get_last_error_string(raw)));
   }
   reflector.run();
+  reflector.result.set = set;
   return std::move(reflector.result);
 }
 

@@ -24,6 +24,7 @@ struct ShaderBinding {
 };
 
 struct ShaderReflection {
+  uint32_t set = 0;  ///< the descriptor set of its bindings
   std::vector<ShaderBinding> bindings;
   std::map<std::string, uint32_t> constants;  ///< specialisation constants: name to id
   std::map<std::string, std::vector<BlockMember>> blocks;
