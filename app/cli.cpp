@@ -107,6 +107,8 @@ void defineCompare(CLI::App& app, CompareOptions& o) {
   repeated(c, "--metric", o.metrics, "One of `list metrics`; may be repeated; all of them where left out")
       ->delimiter(',');
   repeated(c, "--roi", o.regions, "x,y,width,height in pixels; may be repeated");
+  c->add_option("--exposure", o.exposure, "Stops, for the metrics that look at the picture: ssim, flip, l_star_mse, dfpr")->check(finiteNumber(-64, 64));
+  c->add_option("--tone-map", o.toneMap, "Likewise: linear, aces or reinhard");
   c->add_option("--map", o.map, "The first metric's map: .exr or .pfm as values, .png in false colours");
 }
 

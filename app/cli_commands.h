@@ -43,6 +43,8 @@ struct ReferenceOptions {
 struct CompareOptions {
   std::string value, reference;
   std::vector<std::string> metrics, regions;
+  float exposure = 0;
+  std::string toneMap = "linear";
   std::string map;
 };
 

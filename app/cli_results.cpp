@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "app/json_writer.h"
 #include "engine/experiment/open_target.h"
 
@@ -58,6 +60,9 @@ const ErrorValue* plotted(const std::vector<ErrorValue>& errors) {
       return &e;
   return nullptr;
 }
+
+/// Not a number means that it is not known.
+std::string knownText(double v) { return std::isnan(v) ? "n/a" : fmt::format("{:.2g}", v); }
 
 std::string bytesText(uint64_t bytes) { return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20)); }
 
@@ -142,11 +147,11 @@ std::string resultsText(const RunResults& r) {
   out += fmt::format("memory {} on the device\n", bytesText(device));
   for (const auto& [name, value] : f.counters) out += fmt::format("  {:<40} {}\n", name, value);
   if (!r.errors.empty())
-    out += fmt::format("errors\n  {:<8} {:<8} {:<9} {:<8} {:>12} {:>12} {:>12}\n", "against", "of", "part", "metric",
+    out += fmt::format("errors\n  {:<8} {:<8} {:<9} {:<10} {:>12} {:>12} {:>12}\n", "against", "of", "part", "metric",
                        "value", "+-", "noise floor");
   for (const ErrorValue& e : r.errors)
-    out += fmt::format("  {:<8} {:<8} {:<9} {:<8} {:12.5g} {:12.2g} {:12.2g}{}\n", e.reference, e.target, e.component,
-                       e.metric, e.value, e.standardError, e.noiseFloor,
+    out += fmt::format("  {:<8} {:<8} {:<9} {:<10} {:12.5g} {:>12} {:>12}{}\n", e.reference, e.target, e.component,
+                       e.metric, e.value, knownText(e.standardError), knownText(e.noiseFloor),
                        (e.roi.empty() ? "" : fmt::format("  in {}", e.roi)) +
                            (e.value < e.noiseFloor && e.metric != "psnr" ? "  (less than the reference's noise: more samples tell more)" : ""));
   if (!r.files.empty()) out += fmt::format("written to {}: {}\n", r.folder, fmt::join(r.files, ", "));

@@ -10,6 +10,7 @@
 #include "engine/experiment/preset_migration.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
+#include "engine/metrics/metrics.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -177,7 +178,7 @@ class PresetReader {
   }
 
   void readDisplay(const JsonReader& node) {
-    known(node, {"exposure", "tone_map", "view", "show_invalid"});
+    known(node, {"exposure", "tone_map", "view", "show_invalid", "error_metric"});
     Display& display = preset_.display;
     if (node.has("exposure")) display.exposure = node.at("exposure").number(-kMaxExposure, kMaxExposure);
     if (node.has("tone_map")) {
@@ -189,6 +190,14 @@ class PresetReader {
     }
     if (node.has("view")) display.view = node.at("view").text();
     if (node.has("show_invalid")) display.showInvalid = node.at("show_invalid").boolean();
+    if (node.has("error_metric")) {
+      const JsonReader metric = node.at("error_metric");
+      try {
+        display.errorMetric = metricInfo(metric.text()).id;
+      } catch (const Error& e) {
+        throw metric.refused(e.what());
+      }
+    }
   }
 
   Preset& preset_;

@@ -136,7 +136,8 @@ Json displayJson(const Display& display) {
   return {{"exposure", number(display.exposure, "display.exposure")},
           {"tone_map", kToneMapNames[static_cast<int>(display.toneMap)]},
           {"view", display.view},
-          {"show_invalid", display.showInvalid}};
+          {"show_invalid", display.showInvalid},
+          {"error_metric", display.errorMetric}};
 }
 
 /// ASCII alone, since the text also travels in image files.

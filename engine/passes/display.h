@@ -1,5 +1,6 @@
 #pragma once
 // Composite, tone map and the views of the viewport.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct Display {
   ToneMap toneMap = ToneMap::Linear;  ///< then sRGB
   std::string view = "final";         ///< an id of displayViews(), or of a technique's debugViews()
   bool showInvalid = false;           ///< NaN, Inf and negative pixels in loud colours
+  std::string errorMetric = "relmse";  ///< whose map the error views show
   bool operator==(const Display&) const = default;
 };
 
@@ -36,7 +38,10 @@ GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool
                        const Buffer& counters);
 /// The same tone map on the host, for images (reference, error maps). RGBA8 rows from the top.
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display&);
-/// Error map in false colours (viridis), from 0 to `scale`. RGBA8.
-std::vector<unsigned char> falseColour(const Image& map, float scale);
+/// The tone map's number in shaders/shared/tone_map.h.
+uint32_t toneMapCurve(ToneMap);
+enum class ColourScale { Viridis, Magma, Signed };
+/// False colours from 0 to `scale` (Signed: from -scale to scale). RGBA8. What they mean for an error map: error_colours.h.
+std::vector<unsigned char> falseColour(const Image& map, float scale, ColourScale = ColourScale::Viridis);
 
 }  // namespace hl

@@ -11,6 +11,7 @@ namespace hl {
 namespace {
 
 constexpr float kDefaultSliceMs = 30;
+constexpr int kCalmFrames = 10;  // that the picture must be shown the same way before its errors are measured anew
 constexpr int kMinResolution = 1, kMaxResolution = 8192;
 // A vertex normal counts as smooth when it leaves its triangle's normal by more than about 0.8 degrees.
 constexpr float kSmoothCosine = 0.9999f;
@@ -312,6 +313,10 @@ void Session::setSeed(uint32_t seed) {
 
 void Session::setDisplay(const Display& display) {
   checkView(display.view, *impl_->technique);
+  metricInfo(display.errorMetric);
+  const Display& old = impl_->preset.display;
+  // Errors of the picture are those of the picture as it is shown.
+  if (display.exposure != old.exposure || display.toneMap != old.toneMap || display.errorMetric != old.errorMetric) impl_->framesToMeasure = kCalmFrames;
   impl_->preset.display = display;
 }
 

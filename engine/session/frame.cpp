@@ -18,7 +18,14 @@ constexpr double kReferenceSliceMs = 60;
 constexpr double kMeasureEveryMs = 2000;
 // What measuring takes is at most this share of the time.
 constexpr double kMeasureShare = 0.1;
-const std::vector<std::string> kLiveMetrics = {"relmse", "mse", "rmse", "mae", "smape", "bias", "psnr"};
+
+/// What is measured while things change: those that see a pixel's neighbours take a hundred times as long, and wait for the end or for being looked at.
+std::vector<std::string> liveMetrics(bool settled, const Display& display) {
+  std::vector<std::string> out;
+  for (const MetricInfo& m : metricInfos())
+    if (!m.windowed || settled || m.id == display.errorMetric) out.emplace_back(m.id);
+  return out;
+}
 
 PickedPoint pickedPoint(Device& device, const GBuffer& g, int x, int y) {
   PickedPoint p;
@@ -123,11 +130,13 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   // A frame that worked shows what was there before its work: it is not the last to be measured.
   const bool allSettled = !worked && s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
   const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
+  const bool shownAnew = s.framesToMeasure > 0 && --s.framesToMeasure == 0;  // not while someone turns the exposure
+  if (shownAnew) s.measuredSettled = false;
   if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled) && !p.cancelled()) {
     const double began = nowMs();
     s.lastMeasurementMs = s.msSinceReset + s.referenceMs;
     s.measuredSettled = allSettled;
-    s.errors = measureErrors(kLiveMetrics);
+    s.errors = measureErrors(liveMetrics(allSettled, s.preset.display));
     s.addConvergencePoint();
     s.measurementMs = nowMs() - began;
   }

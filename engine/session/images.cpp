@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/passes/error_colours.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
 namespace {
-
-// False colours end at this quantile of the map, so that one bright pixel does not darken all others.
-constexpr double kErrorMapQuantile = 0.98;
 
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
@@ -94,19 +92,7 @@ void Session::Impl::showHostView(FrameResult& result) {
     result.display = toneMapOnHost(linearImage(id), preset.display);
     return;
   }
-  const Mask mask = surfaceMask();
-  if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
-  const bool againstFull = id == "error_full";
-  const ReferenceRun& run = !againstFull && matched.result ? matched : full;
-  const int bounces = againstFull ? fullBounces() : technique->transport().bounces;
-  const Image map = measure("relmse", indirectIrradiance(), run.result->indirectImage(bounces), mask, true).map;
-  std::vector<float> sorted;
-  for (const float v : map.data)
-    if (std::isfinite(v)) sorted.push_back(std::abs(v));
-  if (sorted.empty()) return;
-  const size_t at = static_cast<size_t>(kErrorMapQuantile * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(at), sorted.end());
-  result.display = falseColour(map, std::max(sorted[at], 1e-12f));
+  result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
 }
 
 }  // namespace hl

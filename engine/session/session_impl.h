@@ -97,6 +97,7 @@ struct Session::Impl {
   std::shared_ptr<const std::vector<ConvergencePoint>> convergence = std::make_shared<std::vector<ConvergencePoint>>();
   double lastMeasurementMs = -1e9, measurementMs = 0;  ///< when the last one was due; what it took
   bool measuredSettled = false;  ///< the errors are those of the settled state
+  int framesToMeasure = 0;       ///< until a settled picture that is shown in another way is measured again; 0: it need not be
 
   // edits.cpp
   void install(std::shared_ptr<Scene>, Progress&);
@@ -125,6 +126,10 @@ struct Session::Impl {
 
   // frame.cpp
   void addConvergencePoint();
+
+  // errors.cpp
+  Appearance appearance() const;  ///< of the picture as it is shown
+  Image errorMap(const std::string& metric, bool againstFull);
 
   // images.cpp
   SurfaceImages surfaceImages();
