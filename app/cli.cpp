@@ -83,6 +83,8 @@ void defineRender(CLI::App& app, RenderOptions& o) {
   repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
       ->delimiter(',');
   repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');
+  c->add_option("--flicker", o.flicker, "How much the settled picture varies over so many further frames")->check(wholeNumber(2, 1'000'000));
+  c->add_option("--step", o.step, "How long the indirect light takes to follow: lights=FACTOR (all lights and the sky), or KEY=VALUE of a parameter");
   c->add_option("--out", o.out, "Folder for result.json, the picture and the linear images");
 }
 

@@ -28,6 +28,8 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::string view;
   std::optional<float> exposure;
+  std::optional<int> flicker;
+  std::string step;
   std::string out;
 };
 

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostStepFrames = 10'000;
+
 /// The preset that the command line asks for, checked before any device is touched.
 Preset wantedPreset(const RenderOptions& o) {
   Preset preset = openTarget(o.target);
@@ -37,6 +39,10 @@ Preset wantedPreset(const RenderOptions& o) {
   for (const std::string& target : o.errorTargets)
     if (target != "image" && target != "lightmap")
       throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
+  if (!o.step.empty() && !parseStep(o.step).ofLights()) {
+    Preset stepped = preset;
+    setParameters(stepped, {o.step});
+  }
   if (!o.out.empty()) checkOutputFolder("--out", o.out);
   return preset;
 }
@@ -96,8 +102,7 @@ class Folder {
   RunResults& results_;
 };
 
-void writeOut(Session& session, const std::string& path, RunResults& results) {
-  Folder folder(path, results);
+void writeOut(Session& session, Folder& folder) {
   folder.picture();
   folder.image(session, "final", "final");
   folder.image(session, "indirect", "indirect");
@@ -106,7 +111,6 @@ void writeOut(Session& session, const std::string& path, RunResults& results) {
     folder.image(session, "reference", "reference");
     folder.image(session, "reference_indirect", "reference_indirect_irradiance");
   }
-  folder.results();
 }
 
 std::string hashOfImage(const Image& image) {
@@ -119,6 +123,15 @@ void measureRun(Session& session, const RenderOptions& o, RunResults& results, P
     session.reference(target, &progress);
     const std::vector<ErrorValue> errors = session.measureErrors(o.metrics, target);
     results.errors.insert(results.errors.end(), errors.begin(), errors.end());
+  }
+}
+
+void followStep(Session& session, const RenderOptions& o, RunResults& results, Progress& progress) {
+  try {
+    results.step.emplace(o.step, session.measureStep(parseStep(o.step), kMostStepFrames, &progress));
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Cancelled) throw;
+    results.cancelled = true;
   }
 }
 
@@ -143,6 +156,8 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   session.load(preset, progress.get());
   for (const std::string& w : session.scene().report.warnings) note(w);
 
+  if (!o.step.empty()) session.checkStep(parseStep(o.step));
+
   RunResults results;
   try {
     // With the truth at hand from the start, the error is followed while the technique works.
@@ -152,6 +167,10 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
     }
     results.frame = o.frames ? renderFrames(session, *o.frames, *progress) : session.settle(progress.get());
     if (!o.metrics.empty()) measureRun(session, o, results, *progress);
+    if (o.flicker) {
+      const std::vector<ErrorValue> flicker = session.measureFlicker(*o.flicker, progress.get());
+      results.errors.insert(results.errors.end(), flicker.begin(), flicker.end());
+    }
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Cancelled) throw;
     results.cancelled = true;
@@ -159,7 +178,11 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   }
   finishProgress();
   results.imageHash = hashOfImage(session.image("final"));
-  if (!o.out.empty()) writeOut(session, o.out, results);
+  std::optional<Folder> folder;
+  if (!o.out.empty()) writeOut(session, folder.emplace(o.out, results));
+  // Last, since it leaves another picture behind.
+  if (!o.step.empty() && !results.cancelled) followStep(session, o, results, *progress);
+  if (folder) folder->results();
   print(global.json ? resultsJson(results) : resultsText(results));
 
   if (results.cancelled) throw Error(ErrorKind::Cancelled, "cancelled; what was done is kept");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "app/json_writer.h"
 #include "engine/experiment/open_target.h"
@@ -50,6 +51,26 @@ void writeError(JsonWriter& w, const ErrorValue& e) {
       .member("non_finite", e.nonFinite)
       .member("roi", e.roi)
       .endObject();
+}
+
+void writeStep(JsonWriter& w, const std::pair<std::string, StepReport>& step) {
+  const StepReport& s = step.second;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // null
+  w.key("step").beginObject().member("edit", step.first).member("size", s.size).member("frames", static_cast<uint64_t>(s.left.size())).member("settled", s.settled);
+  w.member("frames_to_5_percent", s.frames5 ? static_cast<double>(*s.frames5) : kNone)
+      .member("frames_to_1_percent", s.frames1 ? static_cast<double>(*s.frames1) : kNone)
+      .member("ms_to_5_percent", s.ms5.value_or(kNone))
+      .member("ms_to_1_percent", s.ms1.value_or(kNone))
+      .endObject();
+}
+
+std::string stepText(const std::pair<std::string, StepReport>& step) {
+  const StepReport& s = step.second;
+  const auto reached = [&](const std::optional<uint64_t>& frames, const std::optional<double>& ms, const char* share) {
+    return frames ? fmt::format("{} left from frame {} on ({:.2f} s)", share, *frames, *ms / 1000) : fmt::format("{} left not reached in {} frames", share, s.left.size());
+  };
+  if (s.size == 0) return fmt::format("step {}: it changes nothing in the indirect light\n", step.first);
+  return fmt::format("step {}: {}, {}\n", step.first, reached(s.frames5, s.ms5, "5 %"), reached(s.frames1, s.ms1, "1 %"));
 }
 
 /// The figure that the convergence plot shows: indirect light of the whole image against the matched reference.
@@ -123,7 +144,9 @@ std::string resultsJson(const RunResults& r) {
       .endObject();
   w.key("files").beginArray();
   for (const std::string& file : r.files) w.text(file);
-  w.endArray().member("message", f.message).key("provenance");
+  w.endArray();
+  if (r.step) writeStep(w, *r.step);
+  w.member("message", f.message).key("provenance");
   writeProvenance(w, f.provenance);
   return w.endObject().str() + "\n";
 }
@@ -154,6 +177,7 @@ std::string resultsText(const RunResults& r) {
                        e.metric, e.value, knownText(e.standardError), knownText(e.noiseFloor),
                        (e.roi.empty() ? "" : fmt::format("  in {}", e.roi)) +
                            (e.value < e.noiseFloor && e.metric != "psnr" ? "  (less than the reference's noise: more samples tell more)" : ""));
+  if (r.step) out += stepText(*r.step);
   if (!r.files.empty()) out += fmt::format("written to {}: {}\n", r.folder, fmt::join(r.files, ", "));
   return out;
 }

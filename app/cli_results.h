@@ -1,6 +1,7 @@
 #pragma once
 // The results of a run, as the JSON of DESIGN.md section 10, as a summary for people, and as image attributes.
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace hl::cli {
 struct RunResults {
   std::shared_ptr<const FrameResult> frame;
   std::vector<ErrorValue> errors;
+  std::optional<std::pair<std::string, StepReport>> step;  ///< what was changed, and what followed
   std::string imageHash;           ///< of the linear final picture
   std::vector<std::string> files;  ///< written, relative to `folder`
   std::string folder;

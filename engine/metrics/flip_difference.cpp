@@ -1,5 +1,6 @@
 #include "engine/metrics/flip_difference.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -55,7 +56,7 @@ vec3 huntLab(vec3 rgb) {
 }
 
 /// Abasi et al.'s distance for large colour differences.
-float hyab(vec3 a, vec3 b) { return std::fabs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
+float hyab(vec3 a, vec3 b) { return std::fabs(a.x - b.x) + std::sqrt((a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z)); }
 
 struct Filters {
   std::vector<float> achromatic, redGreen, blueYellow[2];
@@ -66,7 +67,11 @@ struct Filters {
 Filters filtersFor(float pixelsPerDegree) {
   Filters f;
   const int radius = static_cast<int>(std::ceil(3 * std::sqrt(kWidestB / (2 * kPiD * kPiD)) * pixelsPerDegree));
-  const auto taps = [&](SpatialTerm t) { return inFloat(gaussianTaps(std::sqrt(t.b / (2 * kPiD * kPiD)) * pixelsPerDegree, radius)); };
+  // The narrower ones end where a float does not see them any more.
+  const auto taps = [&](SpatialTerm t) {
+    const double sigma = std::sqrt(t.b / (2 * kPiD * kPiD)) * pixelsPerDegree;
+    return inFloat(gaussianTaps(sigma, std::min(radius, static_cast<int>(std::ceil(6 * sigma)))));
+  };
   f.achromatic = taps(kAchromatic), f.redGreen = taps(kRedGreen);
   double total[2];
   for (size_t i = 0; i < 2; ++i) {

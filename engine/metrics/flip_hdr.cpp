@@ -78,6 +78,7 @@ const MetricDefinition kFlipHdr{
              .label = "HDR-FLIP",
              .formula = "mean of the largest FLIP over exposures one stop apart, from start (brightest) to stop (median) of the reference, ACES curve",
              .windowed = true,
+             .costly = true,
              .sceneReferred = true,
              .mapEnd = 1},
     .map = map,

@@ -38,6 +38,7 @@ struct MetricInfo {
   bool squared = false;        ///< estimated free of the reference's variance where halves are given
   double perfect = 0;          ///< of an image against itself: 0, 1 for ssim, infinity for psnr. An image is worse the farther it is from that
   bool windowed = false;       ///< a pixel's term depends on its neighbours; needs images of 1, 3 or more channels
+  bool costly = false;         ///< takes many times as long as the others: measured where it is asked for
   bool sceneReferred = false;  ///< means nothing for stored pictures
   bool mapSigned = false;      ///< the map's values have a sign that matters
   float mapEnd = 0;            ///< where colours for the map end, counted from `perfect`; 0: as the map has it

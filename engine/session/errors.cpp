@@ -9,12 +9,6 @@
 namespace hl {
 namespace {
 
-bool anySet(const Mask& mask) {
-  for (const unsigned char m : mask)
-    if (m) return true;
-  return false;
-}
-
 ErrorValue valueOf(const MetricResult& m, const std::string& metric, const char* reference, const char* target, const char* component,
                    const std::string& roi) {
   ErrorValue e;
@@ -50,6 +44,21 @@ struct Truth {
 
 }  // namespace
 
+bool anySet(const Mask& mask) {
+  for (const unsigned char m : mask)
+    if (m) return true;
+  return false;
+}
+
+std::vector<std::pair<std::string, Mask>> Session::Impl::regionMasks(const Mask& surfaces) const {
+  std::vector<std::pair<std::string, Mask>> out = {{"", surfaces}};
+  for (const Region& region : scene->regions) {
+    Mask part = within(surfaces, region, gbuffer.width, gbuffer.height);
+    if (anySet(part)) out.emplace_back(region.name, std::move(part));
+  }
+  return out;
+}
+
 Appearance Session::Impl::appearance() const { return {.exposure = preset.display.exposure, .curve = toneMapCurve(preset.display.toneMap)}; }
 
 std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& metrics, const std::string& target) {
@@ -80,12 +89,9 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
   options.mask = maskOf(surfaces.position);
   if (!anySet(options.mask)) return out;
   const Image final = surfaces.composite(direct, indirect);
-  std::vector<Mask> parts = {{}};
-  std::vector<std::string> regions = {""};
-  for (const Region& region : s.scene->regions) {
-    Mask part = within(options.mask, region, direct.width, direct.height);
-    if (anySet(part)) parts.push_back(std::move(part)), regions.push_back(region.name);
-  }
+  std::vector<Mask> parts;
+  std::vector<std::string> regions;
+  for (auto& [name, part] : s.regionMasks(options.mask)) regions.push_back(name), parts.push_back(std::move(part));
 
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.

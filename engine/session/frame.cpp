@@ -19,11 +19,11 @@ constexpr double kMeasureEveryMs = 2000;
 // What measuring takes is at most this share of the time.
 constexpr double kMeasureShare = 0.1;
 
-/// What is measured while things change: those that see a pixel's neighbours take a hundred times as long, and wait for the end or for being looked at.
+/// What is measured while things change: those that see a pixel's neighbours take longer, and wait for the end or for being looked at.
 std::vector<std::string> liveMetrics(bool settled, const Display& display) {
   std::vector<std::string> out;
   for (const MetricInfo& m : metricInfos())
-    if (!m.windowed || settled || m.id == display.errorMetric) out.emplace_back(m.id);
+    if (m.id == display.errorMetric || !m.windowed || (settled && !m.costly)) out.emplace_back(m.id);
   return out;
 }
 

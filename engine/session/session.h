@@ -35,6 +35,24 @@ struct ErrorValue {
   std::string roi;        ///< "" for the whole image
 };
 
+/// A sudden change whose transient is followed: all lights and the sky times a factor, or a parameter.
+struct Step {
+  std::string key, value;  ///< "lights", or a parameter's key
+  float factor = 1;
+  bool ofLights() const { return key == "lights"; }
+};
+/// "lights=FACTOR" or "KEY=VALUE". @throws Error(BadInput)
+Step parseStep(const std::string& text);
+
+/// How the indirect light follows a step. Frames count from 1, milliseconds from the edit.
+struct StepReport {
+  double size = 0;                         ///< rms of what the step changes in the indirect irradiance; 0: nothing, and then there is nothing to follow
+  std::optional<uint64_t> frames5, frames1;  ///< from which on at most 5 %, 1 % of it are left; none: not within the frames that were rendered
+  std::optional<double> ms5, ms1;
+  std::vector<double> left;                ///< by frame
+  bool settled = false;                    ///< at the last of them
+};
+
 struct Provenance {
   std::string commit, presetHash, sceneHash, device, driver, api, tracer, timing;
   bool dirty = false;
@@ -139,6 +157,14 @@ class Session {
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
   Image errorMap(const std::string& metric, const std::string& reference);
+  /// Renders so many frames as things stand, and says how much the indirect and the final picture's luminance varied over them: metric "flicker" against
+  /// "itself", for the whole image and each region. @throws Error(BadInput) for fewer than two frames.
+  std::vector<ErrorValue> measureFlicker(int frames, Progress* = nullptr);
+  /// That the scene has what the step changes. @throws Error(BadInput) for an unknown key, a value out of range, or a scene without lights to edit.
+  void checkStep(const Step&) const;
+  /// Settles after the step and before it, then takes the step and renders until nothing changes any more, at most `mostFrames` frames. The step stays.
+  /// @throws Error(BadInput) as checkStep.
+  StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
 
  private:

@@ -36,6 +36,7 @@ struct SurfaceImages {
 
 /// Pixels that see a surface, from the G-buffer's positions.
 Mask maskOf(const Image& position);
+bool anySet(const Mask&);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
@@ -128,6 +129,7 @@ struct Session::Impl {
   void addConvergencePoint();
 
   // errors.cpp
+  std::vector<std::pair<std::string, Mask>> regionMasks(const Mask& surfaces) const;  ///< the whole image ("") first, then each region that shows a surface
   Appearance appearance() const;  ///< of the picture as it is shown
   Image errorMap(const std::string& metric, bool againstFull);
 

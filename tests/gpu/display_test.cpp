@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/passes/error_colours.h"
 #include "tests/gpu_fixture.h"
 
 namespace hl {
@@ -198,6 +199,28 @@ TEST(FalseColour, RunsFromDarkVioletToYellow) {
     EXPECT_GE(y, last - 0.8);
     last = y;
   }
+}
+
+/// Each metric has its colours: an end of its own where it has one, a colour a sign, and the quantile elsewhere.
+TEST(ErrorColours, FollowTheMetric) {
+  Image map(200, 1, 1);
+  for (size_t i = 0; i < 200; ++i) map.data[i] = static_cast<float>(i) / 199;
+  const auto colour = [](const std::vector<unsigned char>& out, size_t i) { return std::vector<unsigned char>(out.begin() + 4 * i, out.begin() + 4 * i + 3); };
+  const std::vector<unsigned char> black = {0, 0, 4}, brightest = {0xfc, 0xfd, 0xbf}, yellow = {0xfd, 0xe7, 0x25}, magenta = {255, 0, 255};
+  const auto flip = errorColours(map, metricInfo("flip")), ssim = errorColours(map, metricInfo("ssim"));
+  EXPECT_EQ(colour(flip, 0), black);
+  EXPECT_EQ(colour(flip, 199), brightest);
+  EXPECT_EQ(colour(ssim, 0), brightest) << "a similarity of 0 is the worst";
+  EXPECT_EQ(colour(ssim, 199), black);
+  for (float& v : map.data) v *= 1e-3f;
+  EXPECT_NE(colour(errorColours(map, metricInfo("flip")), 199), brightest) << "its scale is fixed";
+  EXPECT_EQ(colour(errorColours(map, metricInfo("relmse")), 199), yellow) << "its scale is the map's";
+  map.data[0] = -1e-3f, map.data[1] = 1e-3f, map.data[2] = 0, map.data[3] = kNan;
+  const auto bias = errorColours(map, metricInfo("bias"));
+  EXPECT_GT(colour(bias, 0)[2], colour(bias, 0)[0] + 80) << "below: blue";
+  EXPECT_GT(colour(bias, 1)[0], colour(bias, 1)[2] + 80) << "above: red";
+  EXPECT_EQ(colour(bias, 2)[0], colour(bias, 2)[2]);
+  EXPECT_EQ(colour(bias, 3), magenta);
 }
 
 TEST(DisplayViews, HaveIdsOfTheirOwn) {
