@@ -124,7 +124,7 @@ void define(CLI::App& app, Arguments& a) {
   defineCompare(app, a.compare);
   CLI::App* describe = app.add_subcommand("describe", "Every parameter");
   describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
-  describe->add_flag("--schema", a.schema, "The JSON Schema of presets");
+  describe->add_flag("--schema", a.schema, "The JSON Schema of presets and experiments");
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->fallthrough();
 }
 

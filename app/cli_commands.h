@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/progress.h"
+#include "engine/experiment/open_target.h"
 #include "engine/session/session.h"
 
 namespace hl::cli {
@@ -72,8 +73,6 @@ int validationVerdict(const GlobalOptions&, Device&, int code);
 void setResolution(Preset&, const std::string& text);
 /// KEY=VALUE pairs into the preset's parameters, checked. @throws Error(BadInput)
 void setParameters(Preset&, const std::vector<std::string>& pairs);
-/// @throws Error(BadInput) naming the nearest known metric.
-void checkMetrics(const std::vector<std::string>&);
 
 /// Before any work is done for it: that files can be written into the folder, or that it could be made. Leaves nothing
 /// behind. @throws Error(BadInput)

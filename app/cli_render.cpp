@@ -8,8 +8,8 @@
 #include "app/cli_results.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
-#include "engine/core/hash.h"
 #include "engine/core/image_io.h"
+#include "engine/experiment/experiment.h"
 #include "engine/experiment/open_target.h"
 
 namespace hl::cli {
@@ -20,12 +20,7 @@ namespace fs = std::filesystem;
 /// The preset that the command line asks for, checked before any device is touched.
 Preset wantedPreset(const RenderOptions& o) {
   Preset preset = openTarget(o.target);
-  if (!o.technique.empty() && o.technique != preset.technique) {
-    techniqueInfo(o.technique);
-    const std::string own = preset.technique + ".";  // the old technique's parameters mean nothing to the new one
-    std::erase_if(preset.parameters, [&](const auto& p) { return p.first.starts_with(own); });
-    preset.technique = o.technique;
-  }
+  if (!o.technique.empty()) changeTechnique(preset, o.technique);
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
@@ -105,10 +100,6 @@ void writeOut(Session& session, const std::string& path, RunResults& results) {
     folder.image(session, "reference_indirect", "reference_indirect_irradiance.exr");
   }
   folder.results();
-}
-
-std::string hashOfImage(const Image& image) {
-  return hashOf({reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float)});
 }
 
 /// The errors of the run, with the references that they need.

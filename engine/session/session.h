@@ -13,6 +13,7 @@
 #include "engine/gpu/profiler.h"
 #include "engine/metrics/metrics.h"
 #include "engine/params/param.h"
+#include "engine/reference/progressive_tracer.h"
 #include "engine/reference/reference.h"
 #include "engine/scene/scene.h"
 #include "engine/techniques/technique.h"
@@ -64,8 +65,12 @@ struct FrameResult {
   std::string view;
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
+  double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
   double workMs = 0;                 ///< that units of long work have taken since the reset
   uint64_t workUnits = 0;            ///< ... and how many
+  double sinceResetMs = 0;           ///< frames and units of work since the reset
+  uint32_t settledFrames = 0;        ///< frames since the reset after which technique and direct light had settled; 0 while they have not
+  double settledMs = 0;              ///< sinceResetMs at that frame
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
@@ -127,6 +132,8 @@ class Session {
   std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
   /// Frames until nothing would change any more (bake and direct light settled).
   std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
+  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine.
+  void finishWork(Progress* = nullptr);
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
@@ -135,6 +142,13 @@ class Session {
   Image image(const std::string& view);
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
+  /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame.
+  std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics);
+  /// The reference's path tracer as a competitor, at the pixels of the last frame, along the paths that the technique models. Not longer than the session.
+  std::unique_ptr<ProgressiveTracer> progressiveTracer(uint64_t seed);
+  /// Pixels that see a surface: what errors are means over.
+  uint64_t surfacePixels();
+  unsigned hostThreads() const;             ///< that path tracing and host passes use
   Image errorMap(const std::string& metric, const std::string& reference);
   Provenance provenance() const;
 

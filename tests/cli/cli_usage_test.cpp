@@ -182,7 +182,7 @@ TEST(CliDescribe, SchemaIsJsonAndTextNamesEveryParameter) {
   EXPECT_EQ(schema.code, 0);
   const json document = json::parse(schema.out);
   const CliResult text = runCli({"describe"});
-  for (const auto& p : document.at("properties").at("parameters").at("properties").items())
+  for (const auto& p : document.at("$defs").at("preset").at("properties").at("parameters").at("properties").items())
     EXPECT_NE(text.out.find(p.key() + " = "), std::string::npos) << p.key();
 }
 

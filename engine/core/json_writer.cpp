@@ -1,4 +1,4 @@
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 
 #include <fmt/format.h>
 
