@@ -25,6 +25,7 @@ struct Arguments {
   RenderOptions render;
   ReferenceOptions reference;
   CompareOptions compare;
+  BenchOptions bench;
   bool markdown = false, schema = false;
 };
 
@@ -109,6 +110,12 @@ void defineCompare(CLI::App& app, CompareOptions& o) {
   c->add_option("--map", o.map, "The first metric's map: .exr or .pfm as values, .png in false colours");
 }
 
+void defineBench(CLI::App& app, BenchOptions& o) {
+  CLI::App* c = app.add_subcommand("bench", "An experiment: sweep, results, speed against error. The same command goes on with what is there");
+  c->add_option("EXPERIMENT", o.experiment, "Its file, or the name of one in `list experiments`")->required();
+  c->add_option("--out", o.out, "Folder of the results")->required();
+}
+
 void define(CLI::App& app, Arguments& a) {
   app.require_subcommand(0, 1);
   app.fallthrough();
@@ -122,6 +129,7 @@ void define(CLI::App& app, Arguments& a) {
   defineRender(app, a.render);
   defineReference(app, a.reference);
   defineCompare(app, a.compare);
+  defineBench(app, a.bench);
   CLI::App* describe = app.add_subcommand("describe", "Every parameter");
   describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
   describe->add_flag("--schema", a.schema, "The JSON Schema of presets and experiments");
@@ -166,6 +174,7 @@ int dispatch(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("render")) return render(a.global, a.render);
   if (app.got_subcommand("reference")) return reference(a.global, a.reference);
   if (app.got_subcommand("compare")) return compare(a.global, a.compare);
+  if (app.got_subcommand("bench")) return bench(a.global, a.bench);
   return describe(a.markdown, a.schema);
 }
 

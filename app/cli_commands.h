@@ -47,11 +47,16 @@ struct CompareOptions {
   std::string map;
 };
 
+struct BenchOptions {
+  std::string experiment, out;
+};
+
 int list(const GlobalOptions&, const std::string& what);
 int doctor(const GlobalOptions&, const std::string& scene);
 int render(const GlobalOptions&, const RenderOptions&);
 int reference(const GlobalOptions&, const ReferenceOptions&);
 int compare(const GlobalOptions&, const CompareOptions&);
+int bench(const GlobalOptions&, const BenchOptions&);
 int describe(bool markdown, bool schema);
 
 /// The kinds that `list` knows.
