@@ -61,10 +61,8 @@ std::string experimentJson(const Experiment& e) {
     permute.push_back(std::move(object));
   }
   const auto compact = [](const Json& v) { return v.dump(-1, ' ', true, Json::error_handler_t::replace); };
-  std::string base = presetJson(e.base);
-  while (!base.empty() && base.back() == '\n') base.pop_back();
   JsonWriter w;
-  w.beginObject().member("version", kExperimentVersion).key("base").raw(base);
+  w.beginObject().member("version", kExperimentVersion).key("base").raw(presetJson(e.base));
   if (!permute.empty()) {
     w.key("permute").beginArray();
     for (const Json& object : permute) {

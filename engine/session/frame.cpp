@@ -144,7 +144,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
-  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled() && s.directLight->settled(s.direct))
+  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled())
     s.settledFrames = s.frameSinceReset, s.settledMs = s.msSinceReset;
   r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
   r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;

@@ -69,7 +69,7 @@ struct FrameResult {
   double workMs = 0;                 ///< that units of long work have taken since the reset
   uint64_t workUnits = 0;            ///< ... and how many
   double sinceResetMs = 0;           ///< frames and units of work since the reset
-  uint32_t settledFrames = 0;        ///< frames since the reset after which technique and direct light had settled; 0 while they have not
+  uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
   double settledMs = 0;              ///< sinceResetMs at that frame
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work

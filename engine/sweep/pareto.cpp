@@ -23,7 +23,7 @@ std::vector<FrontPlace> paretoFront(std::span<const CostPoint> points) {
     }
     for (const CostPoint& q : points) {
       if (!(q.cost <= p.cost && q.error <= p.error) || (q.cost == p.cost && q.error == p.error)) continue;
-      const bool surely = q.error + q.halfWidth < p.error - p.halfWidth;
+      const bool surely = q.error + q.halfWidth < p.error - p.halfWidth && q.cost + q.costHalfWidth <= p.cost - p.costHalfWidth;
       out[i] = std::max(out[i], surely ? FrontPlace::Off : FrontPlace::Within);
     }
   }

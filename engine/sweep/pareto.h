@@ -6,14 +6,14 @@
 
 namespace hl {
 
-/// One competitor: what it costs (time, memory) and how wrong it is (less is better), with the half-width of its 95 % interval.
+/// One competitor: what it costs (time, memory) and how wrong it is (less is better), with the half-widths of their intervals.
 struct CostPoint {
-  double cost = 0, error = 0, halfWidth = 0;
+  double cost = 0, error = 0, halfWidth = 0, costHalfWidth = 0;
 };
 
 enum class FrontPlace {
   On,      ///< no other point is as good in both and better in one
-  Within,  ///< some is, but within the error bars of both it may as well be worse
+  Within,  ///< some is, but within the error bars it may as well be worse, or dearer
   Off,
 };
 /// Points that are not finite are Off.

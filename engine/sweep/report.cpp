@@ -89,10 +89,10 @@ std::string frontTable(const SweepResults& r, const Front& f) {
       ++off;
       continue;
     }
-    out += fmt::format("| {} | {} | {} ± {:.2g} | {} |\n", cell(r.configurations[p.configuration].label()), memory ? bytes(p.point.cost) : time(p.point.cost),
+    out += fmt::format("| {} | {} | {} ± {:.2g} | {} |\n", cell(r.configurations[p.configuration].label()), memory ? bytes(p.point.cost) : fmt::format("{} ± {}", time(p.point.cost), time(p.point.costHalfWidth)),
                        number(p.point.error), p.point.halfWidth, p.place == FrontPlace::On ? "on the front" : "within its error bars");
   }
-  return out + fmt::format("\n{} more are dominated.\n\n", off);
+  return out + (off ? fmt::format("\n{} more are dominated.\n\n", off) : "\n");
 }
 
 std::string speedTable(const std::vector<const SpeedTable*>& tables) {

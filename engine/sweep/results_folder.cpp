@@ -56,7 +56,7 @@ void writeFront(JsonWriter& w, const Front& f) {
   w.beginObject().member("problem", f.problem).member("axis", kFrontAxes[static_cast<size_t>(f.axis)]).member("reference", f.reference);
   w.member("metric", f.metric).key("points").beginArray();
   for (const FrontPoint& p : f.points)
-    w.beginObject().member("configuration", p.configuration).member("cost", p.point.cost).member("error", p.point.error).member("ci95", p.point.halfWidth)
+    w.beginObject().member("configuration", p.configuration).member("cost", p.point.cost).member("error", p.point.error).member("ci95", p.point.halfWidth).member("cost_spread", p.point.costHalfWidth)
         .member("place", placeName(p.place)).endObject();
   w.endArray().endObject();
 }
@@ -81,11 +81,9 @@ std::filesystem::path pictureOf(const std::filesystem::path& folder, size_t conf
 
 std::string sweepJson(const SweepResults& r, const Summary& s) {
   JsonWriter w;
-  std::string experiment = experimentJson(r.experiment);
-  while (!experiment.empty() && experiment.back() == '\n') experiment.pop_back();
   w.beginObject().member("version", 1).member("complete", r.complete() && r.failed() == 0).member("runs_done", r.done()).member("runs_planned", r.plan.size());
   w.member("runs_failed", r.failed()).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads);
-  w.key("provenance").raw(provenanceJson(r.provenance)).key("experiment").raw(experiment);
+  w.key("provenance").raw(provenanceJson(r.provenance)).key("experiment").raw(experimentJson(r.experiment));
   w.key("problems").beginArray();
   for (const SweepProblem& p : r.problems) w.text(p.label);
   w.endArray().key("configurations").beginArray();

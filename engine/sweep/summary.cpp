@@ -178,6 +178,22 @@ double costOf(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames)
   return 0;
 }
 
+/// Half of what lies between the 5th and the 95th percentile over runs.
+double costSpread(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames) {
+  const auto half = [](const Spread& s) { return (s.p95 - s.p5) / 2; };
+  switch (axis) {
+    case FrontAxis::Frame:
+      return half(c.frameMs);
+    case FrontAxis::Total:
+      return half(c.totalMs);
+    case FrontAxis::Amortised:
+      return half(c.frameMs) + (half(c.prepareMs) + half(c.workMs)) / amortiseFrames;
+    case FrontAxis::Memory:
+      return 0;
+  }
+  return 0;
+}
+
 /// The interval over seeds; of a single seed nothing is known but the reference's noise.
 double halfWidthOf(const ErrorSummary& e) { return std::isfinite(e.value.halfWidth) ? e.value.halfWidth : kNormal95 * e.standardError; }
 
@@ -186,7 +202,8 @@ Front frontOf(const SweepResults& r, const Summary& s, size_t problem, FrontAxis
   for (const ConfigurationSummary& c : s.configurations) {
     const ErrorSummary* e = c.problem == problem ? find(c, reference, front.metric) : nullptr;
     if (!e) continue;
-    front.points.push_back({c.configuration, {costOf(c, axis, r.experiment.amortiseFrames), badness(front.metric, e->value.mean), halfWidthOf(*e)}, FrontPlace::On});
+    front.points.push_back({c.configuration, {costOf(c, axis, r.experiment.amortiseFrames), badness(front.metric, e->value.mean), halfWidthOf(*e), costSpread(c, axis, r.experiment.amortiseFrames)},
+                            FrontPlace::On});
   }
   std::stable_sort(front.points.begin(), front.points.end(), [](const FrontPoint& a, const FrontPoint& b) { return a.point.cost < b.point.cost; });
   std::vector<CostPoint> points;
@@ -200,7 +217,7 @@ Front frontOf(const SweepResults& r, const Summary& s, size_t problem, FrontAxis
 CostPoint relative(double ms, double relmse, double halfWidth) {
   const double top = relmse + (std::isfinite(halfWidth) ? halfWidth : 0);
   const double error = relmse > 0 ? std::sqrt(relmse) : 0;
-  return {ms, error, (top > 0 ? std::sqrt(top) : 0) - error};
+  return {ms, error, (top > 0 ? std::sqrt(top) : 0) - error, 0};
 }
 
 SpeedTable tableOf(const SweepResults& r, SpeedTable t, const std::vector<CostPoint>& points) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <new>
 #include <set>
 
 #include "engine/core/error.h"
@@ -34,6 +35,17 @@ Preset problemOf(Preset p) {
 
 std::string problemLabel(const Preset& p) {
   return fmt::format("{}, {}, {}x{}", p.scene, p.camera ? "free camera" : p.cameraName.empty() ? "first camera" : p.cameraName, p.width, p.height);
+}
+
+/// What a configuration cannot do shows again in its run, and is recorded there.
+template <class F>
+void leaveFailuresToTheRun(F&& step) {
+  try {
+    step();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Run && e.kind() != ErrorKind::TooLarge) throw;
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 fs::path recordFile(const fs::path& folder, const std::string& key) { return folder / "runs" / (key + ".json"); }
@@ -89,9 +101,20 @@ void Sweep::takeUp() {
       logWarning(fmt::format("{}; the run is made again", e.what()));
     }
   }
-  for (const auto& run : r.runs)
-    if (run) r.provenance = run->provenance, r.cpuDevice = run->cpuDevice, r.hostThreads = run->hostThreads;
+  takeProvenance();
   if (r.experiment.pathTracer) r.tracer = storedTracerRuns(r);
+}
+
+/// What all runs have in common.
+void Sweep::takeProvenance() {
+  SweepResults& r = results_;
+  for (const auto& run : r.runs) {
+    if (!run) continue;
+    r.provenance = run->provenance, r.cpuDevice = run->cpuDevice, r.hostThreads = run->hostThreads;
+    r.provenance.presetHash.clear();
+    r.provenance.seed = r.experiment.seeds.front();
+    return;
+  }
 }
 
 void Sweep::checkSameMachine(const Session& session) const {
@@ -159,7 +182,7 @@ void Sweep::traceReferences(Session& session, Progress& p) {
     report(fmt::format("reference of {}", problemLabel(preset)));
     session.setReferenceWanted(false);
     session.load(preset, &p);  // bad input ends the sweep here, before the first run
-    session.reference("image", &p);
+    leaveFailuresToTheRun([&] { session.reference("image", &p); });
   }
 }
 
@@ -172,10 +195,12 @@ void Sweep::warmUp(Session& session, Progress& p) {
     session.load(preset, &p);
     const double start = nowMs();
     std::shared_ptr<const FrameResult> f;
-    do {
-      p.check();
-      f = session.frame(&p);
-    } while (!f->settled && !f->techniqueFailed && nowMs() - start < kWarmUpMs);
+    leaveFailuresToTheRun([&] {
+      do {
+        p.check();
+        f = session.frame(&p);
+      } while (!f->settled && !f->techniqueFailed && nowMs() - start < kWarmUpMs);
+    });
   }
 }
 
@@ -193,6 +218,7 @@ void Sweep::runAll(Session& session, Progress& p) {
                                   picture ? pictureOf(r.folder, run.configuration) : fs::path(), p, results);
     store(record, results, run.preset);
     r.runs[i] = std::move(record);
+    takeProvenance();
     if (onRun) onRun(r, i);
   }
 }
@@ -215,7 +241,6 @@ void Sweep::run(Session& session, Progress& p) {
       if (run && !run->failed.empty()) run.reset();  // the cause may be mended
     session.load(r.plan.front().preset, &p);
     checkSameMachine(session);
-    r.provenance = session.provenance();
     saveExperiment(r.experiment, r.folder / "experiment.json");
     if (!r.complete()) {
       traceReferences(session, p);

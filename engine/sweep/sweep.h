@@ -80,6 +80,7 @@ class Sweep {
 
  private:
   void takeUp();
+  void takeProvenance();
   void checkSameMachine(const Session&) const;
   void report(const std::string& doing);
   double secondsLeft() const;
