@@ -19,17 +19,13 @@ std::string timeText(double seconds) {
   return seconds < 6000 ? fmt::format(", about {:.0f} min left", seconds / 60) : fmt::format(", about {:.1f} h left", seconds / 3600);
 }
 
-void showSweep(Sweep& sweep, const GlobalOptions& global) {
-  if (global.json) return;
-  sweep.onStatus = [](const SweepStatus& s) {
-    std::fputs(fmt::format("{}[{}/{}{}] {}{}\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", s.done, s.total,
-                           s.failed ? fmt::format(", {} failed", s.failed) : "", s.doing, timeText(s.secondsLeft))
-                   .c_str(),
-               stderr);
-  };
-}
-
 }  // namespace
+
+void showStatus(const SweepStatus& s) {
+  const std::string line = fmt::format("{}[{}/{}{}] {}{}\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", s.done, s.total,
+                                       s.failed ? fmt::format(", {} failed", s.failed) : "", s.doing, timeText(s.secondsLeft));
+  std::fputs(line.c_str(), stderr);
+}
 
 int bench(const GlobalOptions& global, const BenchOptions& o) {
   const Experiment experiment = openExperiment(o.experiment);
@@ -39,7 +35,7 @@ int bench(const GlobalOptions& global, const BenchOptions& o) {
   const auto progress = interruptibleProgress(global);
   Session session(global.session());
   session.useProgress(progress);
-  showSweep(sweep, global);
+  if (!global.json) sweep.onStatus = showStatus;
   try {
     sweep.run(session, *progress);
   } catch (const Error& e) {

@@ -37,6 +37,7 @@ struct Experiment {
   std::vector<std::string> metrics = {"relmse"};  ///< the first is that of the fronts
   std::vector<std::string> references = {"matched", "full"};
   StopRule stop;
+  double limitMs = 0;          ///< of preparation, work and frames: a run that takes longer is ended, and recorded as failed; 0: none
   int repeats = 1;             ///< of every configuration and seed: errors are the same, times are not
   int amortiseFrames = 60;     ///< over which the bake is spread in one of the fronts: light that changes once a second
   bool pathTracer = true;      ///< the path tracer at equal time is among the competitors

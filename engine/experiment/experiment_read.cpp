@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kKeys = {"version",    "base",    "permute",         "seeds",       "metrics",
                                         "references", "stop",    "repeats",         "path_tracer", "images",
-                                        "amortise_frames"};
+                                        "amortise_frames", "limit_ms"};
 const std::vector<std::string> kPlainAxes = {"technique", "camera", "resolution"};
 
 class ExperimentReader {
@@ -38,6 +38,7 @@ class ExperimentReader {
     if (root.has("metrics")) readMetrics(root.at("metrics"));
     if (root.has("references")) readReferences(root.at("references"));
     if (root.has("stop")) readStop(root.at("stop"));
+    if (root.has("limit_ms")) e_.limitMs = static_cast<double>(root.at("limit_ms").number(0, 1e9f));
     if (root.has("repeats")) e_.repeats = static_cast<int>(root.at("repeats").whole(1, 1000));
     if (root.has("amortise_frames")) e_.amortiseFrames = static_cast<int>(root.at("amortise_frames").whole(1, 1'000'000));
     if (root.has("path_tracer")) e_.pathTracer = root.at("path_tracer").boolean();

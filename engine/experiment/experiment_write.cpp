@@ -77,7 +77,7 @@ std::string experimentJson(const Experiment& e) {
   if (e.stop.kind == StopRule::Kind::Settled) w.member("settled", true);
   if (e.stop.kind == StopRule::Kind::Frames) w.member("frames", static_cast<int64_t>(e.stop.amount));
   if (e.stop.kind == StopRule::Kind::Milliseconds) w.key("ms").raw(shortestText(static_cast<float>(e.stop.amount)));
-  w.endObject().member("repeats", e.repeats).member("amortise_frames", e.amortiseFrames);
+  w.endObject().key("limit_ms").raw(shortestText(static_cast<float>(e.limitMs))).member("repeats", e.repeats).member("amortise_frames", e.amortiseFrames);
   w.member("path_tracer", e.pathTracer).member("images", e.images);
   return w.endObject().str() + "\n";
 }
@@ -110,6 +110,7 @@ std::string experimentSchema(const std::string& presets) {
        {{"anyOf",
          {closed({{"settled", {{"const", true}}}}, {"settled"}), closed({{"frames", whole(1, 1'000'000, 1, "After the bake.")}}, {"frames"}),
           closed({{"ms", {{"type", "number"}, {"exclusiveMinimum", 0}, {"description", "Of preparation, work and frames."}}}}, {"ms"})}}}},
+      {"limit_ms", {{"type", "number"}, {"minimum", 0}, {"default", 0}, {"description", "A run that takes longer is ended and counts as failed; 0: none."}}},
       {"repeats", whole(1, 1000, defaults.repeats, "Of every configuration and seed, for times.")},
       {"amortise_frames", whole(1, 1'000'000, defaults.amortiseFrames, "Over which the bake is spread in one of the fronts.")},
       {"path_tracer", {{"type", "boolean"}, {"default", defaults.pathTracer}, {"description", "The path tracer at equal time is among the competitors."}}},

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <chrono>
 #include <new>
+#include <thread>
 
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
@@ -16,6 +18,9 @@ namespace {
 // Frames that are timed after the picture is made, at least and at most, and how long at most (MEASURES.md section 4).
 constexpr int kLeastTimedFrames = 5, kTimedFrames = 30;
 constexpr double kTimingBudgetMs = 2000;
+// How often the clock is looked at where a run is limited, and what loading and timing may take besides.
+constexpr int kLimitPollMs = 5;
+constexpr double kLimitSlackMs = 3000;
 
 double nowMs() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -56,6 +61,44 @@ FramePointer runUntilStop(Session& session, const Experiment& e, const std::vect
   return f;
 }
 
+/// Cancels `inner` when `outer` is cancelled, or when the time is up.
+class TimeLimit {
+ public:
+  TimeLimit(Progress& outer, Progress& inner, double ms)
+      : watch_([this, &outer, &inner, ms](const std::stop_token& stop) {
+          const double start = nowMs();
+          while (!stop.stop_requested() && !inner.cancelled()) {
+            if (outer.cancelled()) inner.cancel();
+            if (ms > 0 && nowMs() - start > ms) up_ = true, inner.cancel();
+            std::this_thread::sleep_for(std::chrono::milliseconds(kLimitPollMs));
+          }
+        }) {}
+  bool up() const { return up_; }
+
+ private:
+  std::atomic<bool> up_{false};
+  std::jthread watch_;
+};
+
+/// Reference and, where runs are limited, the whole of the work: what could take for ever.
+void prepareWithin(Session& session, const Experiment& e, Progress& p) {
+  if (!(e.limitMs > 0)) {
+    session.reference("image", &p);
+    return;
+  }
+  Progress inner;
+  const TimeLimit limit(p, inner, e.limitMs + kLimitSlackMs);
+  try {
+    session.reference("image", &inner);
+    session.finishWork(&inner);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::Cancelled && limit.up() && !p.cancelled())
+      throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
+    throw;
+  }
+  if (limit.up()) throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
+}
+
 /// More frames of what is there, for their times alone.
 FramePointer timeFrames(Session& session, Progress& p) {
   session.setWorkPaused(true);
@@ -94,7 +137,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   const std::vector<std::string> metrics = measuredMetrics(e);
   session.setReferenceWanted(false);
   session.load(run.preset, &p);
-  session.reference("image", &p);
+  prepareWithin(session, e, p);
   const FramePointer made = runUntilStop(session, e, metrics, record, p);
   const Transport t = session.transport();
   record.transport = fmt::format("{} bounces, {} faces, {} normals", t.bounces, t.frontFacesOnly ? "front" : "all",
@@ -102,6 +145,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   record.provenance = made->provenance;
   results.frame = made;
   if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
+  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   record.errors = results.errors = session.measureErrors(metrics);
   record.surfacePixels = session.surfacePixels();

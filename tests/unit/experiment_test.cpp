@@ -96,7 +96,7 @@ TEST(Experiment, ATechniquesOwnAxesLeaveTheOthersSingle) {
 
 TEST(Experiment, RoundTrips) {
   const Experiment e = read(R"("permute": [{"technique": ["none"]}, {"radiosity.samples": [16, 64], "radiosity.residual": [0.1], "radiosity.lookup": ["nearest"], "radiosity.unweighted": [true],
-      "resolution": [64, 48], "camera": ["a", "b"]}], "seeds": [3, 1], "metrics": ["bias", "relmse"], "references": ["full"], "stop": {"ms": 12.5}, "repeats": 3,
+      "resolution": [64, 48], "camera": ["a", "b"]}], "seeds": [3, 1], "metrics": ["bias", "relmse"], "references": ["full"], "stop": {"ms": 12.5}, "repeats": 3, "limit_ms": 2500,
       "amortise_frames": 10, "path_tracer": false, "images": true)");
   const std::string text = experimentJson(e);
   const Experiment again = experimentFromJson(text, "again.json");
@@ -106,6 +106,7 @@ TEST(Experiment, RoundTrips) {
   EXPECT_FALSE(again.pathTracer);
   EXPECT_TRUE(again.images);
   EXPECT_EQ(again.repeats, 3);
+  EXPECT_EQ(again.limitMs, 2500);
   EXPECT_EQ(again.amortiseFrames, 10);
   const auto a = configurationsOf(e), b = configurationsOf(again);
   ASSERT_EQ(a.size(), b.size());
