@@ -6,6 +6,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/experiment/json_reader.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_migration.h"
 #include "engine/experiment/preset_names.h"
@@ -150,30 +151,6 @@ class PresetReader {
         if (!newer_) throw;
         preset_.warnings.push_back(fmt::format("{}; passed over", e.what()));
       }
-    }
-  }
-
-  static std::string parameterText(const JsonReader& node, const ParamInfo& info) {
-    std::string text;
-    switch (info.type) {
-      case ParamType::Bool:
-        return node.boolean() ? "true" : "false";
-      case ParamType::Float:
-        text = shortestText(node.number());
-        break;
-      case ParamType::Enum:
-        text = node.text();
-        break;
-      case ParamType::Int:
-        if (!node.json().is_number_integer())
-          throw node.refused(fmt::format("a whole number in {} is wanted, not {}", rangeText(info), node.found()));
-        text = node.json().dump();
-        break;
-    }
-    try {
-      return formatParam(info, parseParam(info, text));
-    } catch (const Error& e) {
-      throw node.refused(e.what());
     }
   }
 

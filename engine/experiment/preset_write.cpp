@@ -9,6 +9,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
@@ -80,21 +81,6 @@ Json lightsJson(const LightEdits& lights) {
                    {"direction", vector(l.direction, "lights: direction")},
                    {"irradiance", vector(l.irradiance, "lights: irradiance")}});
   return out;
-}
-
-Json parameterJson(const ParamInfo& info, const std::string& text) {
-  const ParamValue value = parseParam(info, text);
-  switch (info.type) {
-    case ParamType::Bool:
-      return std::get<int32_t>(value) != 0;
-    case ParamType::Int:
-      return std::get<int32_t>(value);
-    case ParamType::Float:
-      return number(std::get<float>(value), "parameter");
-    case ParamType::Enum:
-      return formatParam(info, value);
-  }
-  return nullptr;
 }
 
 Json parametersJson(const Preset& preset, bool resolved) {
@@ -199,7 +185,9 @@ std::vector<PresetListing> listPresets() {
   std::vector<PresetListing> out;
   const fs::path folder = homeFolder() / "presets";
   if (!fs::is_directory(folder)) return out;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::directory_entry& entry = *at;
+    if (entry.is_directory() && entry.path().filename() == "experiments") at.disable_recursion_pending();  // listExperiments()
     if (entry.path().extension() != ".json") continue;
     PresetListing listing;
     listing.id = fs::relative(entry.path(), folder).replace_extension().generic_string();

@@ -26,6 +26,11 @@ Mask maskOf(const Image& position) {
   return mask;
 }
 
+uint64_t Session::surfacePixels() {
+  const Mask mask = impl_->surfaceMask();
+  return static_cast<uint64_t>(std::count(mask.begin(), mask.end(), 1));
+}
+
 Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
 
 Image SurfaceImages::composite(const Image& direct, const Image& indirect) const {

@@ -78,7 +78,8 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
-  double msSinceReset = 0;
+  double msSinceReset = 0, prepareMs = 0, settledMs = 0;
+  uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
   BatchTimings lastTimings;
   double workMs = 0;           ///< in the current bake, for the time left
@@ -134,6 +135,7 @@ struct Session::Impl {
   Image errorMap(const std::string& metric, bool againstFull);
 
   // images.cpp
+  std::vector<Receiver> receivers();
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
