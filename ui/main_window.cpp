@@ -37,6 +37,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
     : link_(link),
       settings_(settings),
       document_(link, catalog_),
+      feed_(link),
       palette_(&settings),
       passes_(palette_),
       bookmarks_(settings) {
@@ -52,7 +53,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   column->addWidget(bar_);
   column->addWidget(viewport_, 1);
   setCentralWidget(centre);
-  files_ = new PresetActions(document_, link_, settings_, this);
+  files_ = new PresetActions(document_, link_, feed_, settings_, this);
   buildDocks();
   buildMenus();
   buildStatusBar();
@@ -267,6 +268,7 @@ void MainWindow::restartEngine() {
   showError({});
   link_.restart();
   document_.sendAll();
+  feed_.sendAll();
 }
 
 }  // namespace hl::ui

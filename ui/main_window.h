@@ -8,6 +8,7 @@
 #include "ui/bookmarks.h"
 #include "ui/catalog.h"
 #include "ui/document.h"
+#include "ui/image_feed.h"
 #include "ui/palette.h"
 #include "ui/pass_table.h"
 
@@ -81,6 +82,7 @@ class MainWindow : public QMainWindow {
   Settings& settings_;
   Catalog catalog_;
   Document document_;
+  ImageFeed feed_;
   PassPalette palette_;
   PassModel passes_;
   Bookmarks bookmarks_;

@@ -127,6 +127,13 @@ void SessionLink::pick(int x, int y) {
 void SessionLink::setReferenceWanted(bool wanted) {
   post("reference", [wanted](Session& s) { s.setReferenceWanted(wanted); });
 }
+void SessionLink::setImagesWanted(const std::vector<std::string>& names) {
+  post("images", [names](Session& s) { s.setImagesWanted(names); });
+  thread_->renderOnce();
+}
+void SessionLink::setRegions(const std::vector<Region>& regions) {
+  post("regions", [regions](Session& s) { s.setRegions(regions); });
+}
 void SessionLink::setWorkPaused(bool paused) {
   post("pause work", [paused](Session& s) { s.setWorkPaused(paused); });
 }
