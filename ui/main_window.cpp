@@ -108,7 +108,7 @@ void MainWindow::connectEngine() {
   });
   connect(&document_, &Document::openedFile, this, [this](const QString& path, const QStringList& warnings) {
     for (const QString& w : warnings) logWarning(w.toStdString());
-    showError(warnings.join('\n'));
+    showError(warnings.join(QStringLiteral("; ")));
     if (!path.isEmpty()) statusBar()->showMessage(tr("Opened %1").arg(path), 5000);
     updateTitle();
   });

@@ -133,6 +133,7 @@ void PresetActions::takeScreenshot() {
     writeScreenshot();
   });
   connect(dialog, &QFileDialog::rejected, this, [this] {
+    if (!shotPath_.isEmpty()) return;  // chosen before; it waits for its frame
     shotWanted_ = false;
     shot_.reset();
     feed_.want(this, {});
