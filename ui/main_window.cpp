@@ -38,6 +38,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
       settings_(settings),
       document_(link, catalog_),
       feed_(link),
+      compare_(link, document_, feed_),
       palette_(&settings),
       passes_(palette_),
       bookmarks_(settings) {
@@ -120,6 +121,16 @@ void MainWindow::connectEngine() {
   connect(&document_, &Document::displayChanged, this, &MainWindow::wantReferenceForView);
   connect(&document_, &Document::cameraChanged, this, [this](bool fromOutside) {
     if (fromOutside) giveViewportCamera();
+  });
+  connect(&compare_, &Compare::picturesChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::choiceChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::referenceNeeded, this, [this] { errors_->setReferenceWanted(true); });
+  connect(&compare_, &Compare::snapshotTaken, this, [this](int id) { statusBar()->showMessage(tr("Kept as %1").arg(compare_.snapshots().find(id)->name), 4000); });
+  connect(&compare_.snapshots(), &Snapshots::refused, this, [this](const QString& why) { showError(why); });
+  connect(viewport_, &Viewport::wipeMoved, this, [this](double share) {
+    CompareChoice c = compare_.choice();
+    c.wipe = share;
+    compare_.choose(c);
   });
   connect(viewport_, &Viewport::cameraMoved, &document_, &Document::moveCamera);
   connect(viewport_, &Viewport::referenceHeld, this, &MainWindow::holdReference);

@@ -7,6 +7,7 @@
 
 #include "ui/bookmarks.h"
 #include "ui/catalog.h"
+#include "ui/compare.h"
 #include "ui/document.h"
 #include "ui/image_feed.h"
 #include "ui/palette.h"
@@ -19,6 +20,7 @@ class QToolButton;
 
 namespace hl::ui {
 
+class ComparePanel;
 class ErrorPanel;
 class LogPanel;
 class PresetActions;
@@ -38,6 +40,7 @@ class MainWindow : public QMainWindow {
 
   Document& document() { return document_; }
   Viewport& viewport() { return *viewport_; }
+  Compare& compare() { return compare_; }
   TechniquePanel& techniquePanel() { return *technique_; }
   QList<QDockWidget*> docks() const { return docks_; }
   QString noticeText() const { return error_; }
@@ -56,6 +59,8 @@ class MainWindow : public QMainWindow {
   QDockWidget* addDock(const QString& name, const QString& title, QWidget* panel);
   void buildDocks();
   void buildMenus();
+  void buildCompareMenu();
+  void showComparison();
   void buildStatusBar();
   void connectEngine();
   void listFiles();
@@ -83,6 +88,7 @@ class MainWindow : public QMainWindow {
   Catalog catalog_;
   Document document_;
   ImageFeed feed_;
+  Compare compare_;
   PassPalette palette_;
   PassModel passes_;
   Bookmarks bookmarks_;
@@ -92,6 +98,7 @@ class MainWindow : public QMainWindow {
   ScenePanel* scenePanel_;
   ProfilerPanel* profiler_;
   ErrorPanel* errors_;
+  ComparePanel* comparePanel_;
   LogPanel* log_;
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;

@@ -3,6 +3,7 @@
 #include <QGuiApplication>
 #include <QScreen>
 
+#include "ui/compare_dock.h"
 #include "ui/error_dock.h"
 #include "ui/log_dock.h"
 #include "ui/main_window.h"
@@ -15,7 +16,7 @@ namespace hl::ui {
 namespace {
 
 /// Raise it when docks come or go: an older layout is then left alone, and the default one shown.
-constexpr int kLayoutVersion = 1;
+constexpr int kLayoutVersion = 2;
 const QString kLayoutKey = QStringLiteral("layout/state"), kGeometryKey = QStringLiteral("layout/geometry");
 constexpr int kSideWidth = 380, kBottomHeight = 250;
 
@@ -35,6 +36,7 @@ void MainWindow::buildDocks() {
   scenePanel_ = new ScenePanel(document_, bookmarks_);
   profiler_ = new ProfilerPanel(palette_, passes_);
   errors_ = new ErrorPanel(link_);
+  comparePanel_ = new ComparePanel(compare_, document_);
   log_ = new LogPanel;
   setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
   setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
@@ -42,10 +44,12 @@ void MainWindow::buildDocks() {
   addDockWidget(Qt::RightDockWidgetArea, addDock(QStringLiteral("sceneDock"), tr("Scene"), scenePanel_));
   addDockWidget(Qt::BottomDockWidgetArea, addDock(QStringLiteral("profilerDock"), tr("Profiler"), profiler_));
   addDockWidget(Qt::BottomDockWidgetArea, addDock(QStringLiteral("errorDock"), tr("Error"), errors_));
+  addDockWidget(Qt::BottomDockWidgetArea, addDock(QStringLiteral("compareDock"), tr("Compare"), comparePanel_));
   addDockWidget(Qt::BottomDockWidgetArea, addDock(QStringLiteral("logDock"), tr("Log"), log_));
   tabifyDockWidget(docks_[0], docks_[1]);
   tabifyDockWidget(docks_[2], docks_[3]);
   tabifyDockWidget(docks_[3], docks_[4]);
+  tabifyDockWidget(docks_[4], docks_[5]);
   docks_[0]->raise();
   docks_[2]->raise();
   resizeDocks({docks_[0]}, {kSideWidth}, Qt::Horizontal);

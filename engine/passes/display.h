@@ -38,5 +38,11 @@ GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display&);
 /// Error map in false colours (viridis), from 0 to `scale`. RGBA8.
 std::vector<unsigned char> falseColour(const Image& map, float scale);
+/// A signed map (the mean of its channels) from -scale, blue, through 0, near white, to scale, orange: told apart under the common colour deficiencies, and
+/// equally dark at both ends. RGBA8.
+std::vector<unsigned char> signedColour(const Image& map, float scale);
+/// Where a map's colours end: the quantile 0.98 of its absolute values, so that one bright pixel does not darken all others. Above 0; not finite ones are
+/// passed over.
+float colourScale(const Image& map);
 
 }  // namespace hl

@@ -10,9 +10,6 @@
 namespace hl {
 namespace {
 
-// False colours end at this quantile of the map, so that one bright pixel does not darken all others.
-constexpr double kErrorMapQuantile = 0.98;
-
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
   Image out(in.width, in.height, 3);
@@ -137,13 +134,7 @@ void Session::Impl::showHostView(FrameResult& result) {
   const ReferenceRun& run = !againstFull && matched.result ? matched : full;
   const int bounces = againstFull ? fullBounces() : technique->transport().bounces;
   const Image map = measure("relmse", indirectIrradiance(), run.result->indirectImage(bounces), mask, true).map;
-  std::vector<float> sorted;
-  for (const float v : map.data)
-    if (std::isfinite(v)) sorted.push_back(std::abs(v));
-  if (sorted.empty()) return;
-  const size_t at = static_cast<size_t>(kErrorMapQuantile * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(at), sorted.end());
-  result.display = falseColour(map, std::max(sorted[at], 1e-12f));
+  result.display = falseColour(map, colourScale(map));
 }
 
 }  // namespace hl
