@@ -16,7 +16,7 @@ struct CompareChoice {
   CompareMode mode = CompareMode::Off;
   QString a = QStringLiteral("live"), b = QStringLiteral("matched");  ///< ids of Compare::sources()
   bool indirect = false;  ///< indirect irradiance in place of the final picture
-  double gain = 1;        ///< of the difference, 1 to 10
+  double gain = 10;       ///< of the difference, 1 to 10
   QString metric = QStringLiteral("relmse");
   double wipe = 0.5;      ///< where the line is, in shares of what is seen of the picture
   double flickerHz = 2;   ///< changes a second

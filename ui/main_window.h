@@ -46,6 +46,9 @@ class MainWindow : public QMainWindow {
   QString noticeText() const { return error_; }
 
  public slots:
+  /// "tune", "compare" or "profile", as it was left; the present one is kept.
+  void switchLayout(const QString& id);
+  /// The present one as it was meant.
   void resetLayout();
   void showShortcuts();
 
@@ -66,6 +69,8 @@ class MainWindow : public QMainWindow {
   void listFiles();
   void saveLayout();
   void restoreLayout();
+  void arrange(const QString& id);
+  void showLayout(const QString& id);
 
   void onFrame();
   void updatePanels();
@@ -103,7 +108,8 @@ class MainWindow : public QMainWindow {
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;
   QList<QDockWidget*> docks_;
-  QByteArray defaultLayout_;
+  QString layout_;
+  std::vector<std::pair<QString, QAction*>> layoutActions_;
   QAction* reloadOnChange_ = nullptr;
   QAction* pause_ = nullptr;
 

@@ -56,7 +56,17 @@ void MainWindow::buildMenus() {
   view->addAction(tr("Whole picture"), QKeySequence(Qt::CTRL | Qt::Key_0), viewport_, &Viewport::zoomToFit);
   view->addSeparator();
   for (QDockWidget* dock : docks_) view->addAction(dock->toggleViewAction());
-  view->addAction(tr("Reset &layout"), this, &MainWindow::resetLayout);
+  QMenu* layouts = view->addMenu(tr("&Layout"));
+  auto* layoutGroup = new QActionGroup(this);
+  const std::tuple<QString, QString, int> named[] = {{QStringLiteral("tune"), tr("&Tune"), Qt::Key_1}, {QStringLiteral("compare"), tr("&Compare"), Qt::Key_2}, {QStringLiteral("profile"), tr("&Profile"), Qt::Key_3}};
+  for (const auto& [id, name, key] : named) {
+    QAction* action = layouts->addAction(name, QKeySequence(Qt::ALT | key), this, [this, id = id] { switchLayout(id); });
+    action->setCheckable(true);
+    layoutGroup->addAction(action);
+    layoutActions_.emplace_back(id, action);
+  }
+  layouts->addSeparator();
+  layouts->addAction(tr("&Reset layout"), this, &MainWindow::resetLayout);
   view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
 
   buildCompareMenu();
@@ -103,6 +113,7 @@ void MainWindow::buildCompareMenu() {
       CompareChoice c = compare_.choice();
       c.mode = mode;
       compare_.choose(c);
+      if (auto* dock = findChild<QDockWidget*>(QStringLiteral("compareDock")); mode != CompareMode::Off && !dock->isHidden()) dock->raise();
     });
     action->setCheckable(true);
     action->setChecked(mode == CompareMode::Off);

@@ -48,7 +48,10 @@ ShortcutsDialog::ShortcutsDialog(const QMenuBar& menus, QWidget* parent) : QDial
   for (const QAction* top : menus.actions()) {
     if (!top->menu()) continue;
     QTreeWidgetItem* group = nullptr;
-    for (const QAction* a : top->menu()->actions()) {
+    QList<QAction*> actions = top->menu()->actions();
+    for (qsizetype i = 0; i < actions.size(); ++i)  // those of menus within it too
+      if (const QMenu* inner = actions[i]->menu()) actions += inner->actions();
+    for (const QAction* a : actions) {
       if (a->shortcut().isEmpty()) continue;
       if (!group) group = section(top->text().remove('&'));
       QStringList keys;
