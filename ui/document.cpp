@@ -107,6 +107,13 @@ void Document::editLights(const LightEdits& lights, const QString& what, quint64
   if (lightsText(target.lights) != lightsText(preset_.lights)) push(std::move(target), what, drag);
 }
 
+void Document::restore(const Preset& preset, const QString& what) {
+  Preset target = preset;
+  target.file = preset_.file;
+  target.warnings.clear();
+  undo_.push(PresetCommand::whole(*this, preset_, std::move(target), what));
+}
+
 void Document::moveCamera(const Camera& camera) {
   preset_.camera = camera;
   ++edits_;

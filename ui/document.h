@@ -29,6 +29,8 @@ class Document : public QObject {
   void editResolution(int width, int height);
   void editSeed(uint32_t);
   void editLights(const LightEdits&, const QString& what, quint64 drag = 0);
+  /// All of another experiment, camera included; this one's file stays. One step of undo.
+  void restore(const Preset&, const QString& what);
   /// A number for a new drag.
   quint64 newDrag() { return ++lastDrag_; }
 

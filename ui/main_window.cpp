@@ -37,6 +37,8 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
     : link_(link),
       settings_(settings),
       document_(link, catalog_),
+      feed_(link),
+      compare_(link, document_, feed_),
       palette_(&settings),
       passes_(palette_),
       bookmarks_(settings) {
@@ -52,7 +54,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   column->addWidget(bar_);
   column->addWidget(viewport_, 1);
   setCentralWidget(centre);
-  files_ = new PresetActions(document_, link_, settings_, this);
+  files_ = new PresetActions(document_, link_, feed_, settings_, this);
   buildDocks();
   buildMenus();
   buildStatusBar();
@@ -107,7 +109,7 @@ void MainWindow::connectEngine() {
   });
   connect(&document_, &Document::openedFile, this, [this](const QString& path, const QStringList& warnings) {
     for (const QString& w : warnings) logWarning(w.toStdString());
-    showError(warnings.join('\n'));
+    showError(warnings.join(QStringLiteral("; ")));
     if (!path.isEmpty()) statusBar()->showMessage(tr("Opened %1").arg(path), 5000);
     updateTitle();
   });
@@ -119,6 +121,16 @@ void MainWindow::connectEngine() {
   connect(&document_, &Document::displayChanged, this, &MainWindow::wantReferenceForView);
   connect(&document_, &Document::cameraChanged, this, [this](bool fromOutside) {
     if (fromOutside) giveViewportCamera();
+  });
+  connect(&compare_, &Compare::picturesChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::choiceChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::referenceNeeded, this, [this] { errors_->setReferenceWanted(true); });
+  connect(&compare_, &Compare::snapshotTaken, this, [this](int id) { statusBar()->showMessage(tr("Kept as %1").arg(compare_.snapshots().find(id)->name), 4000); });
+  connect(&compare_.snapshots(), &Snapshots::refused, this, [this](const QString& why) { showError(why); });
+  connect(viewport_, &Viewport::wipeMoved, this, [this](double share) {
+    CompareChoice c = compare_.choice();
+    c.wipe = share;
+    compare_.choose(c);
   });
   connect(viewport_, &Viewport::cameraMoved, &document_, &Document::moveCamera);
   connect(viewport_, &Viewport::referenceHeld, this, &MainWindow::holdReference);
@@ -267,6 +279,7 @@ void MainWindow::restartEngine() {
   showError({});
   link_.restart();
   document_.sendAll();
+  feed_.sendAll();
 }
 
 }  // namespace hl::ui

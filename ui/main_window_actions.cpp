@@ -1,5 +1,6 @@
 // The window's menus, keys and what they do.
 #include <QAction>
+#include <QActionGroup>
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
@@ -8,6 +9,7 @@
 #include <QMimeData>
 #include <QStatusBar>
 #include <algorithm>
+#include <tuple>
 
 #include "ui/error_dock.h"
 #include "ui/main_window.h"
@@ -49,10 +51,25 @@ void MainWindow::buildMenus() {
     viewport_->hidePick();
     viewport_->setFocus();
   });
+  view->addAction(tr("Enlarge the picture"), QKeySequence(Qt::CTRL | Qt::Key_Plus), viewport_, &Viewport::zoomIn);
+  view->addAction(tr("Make the picture smaller"), QKeySequence(Qt::CTRL | Qt::Key_Minus), viewport_, &Viewport::zoomOut);
+  view->addAction(tr("Whole picture"), QKeySequence(Qt::CTRL | Qt::Key_0), viewport_, &Viewport::zoomToFit);
   view->addSeparator();
   for (QDockWidget* dock : docks_) view->addAction(dock->toggleViewAction());
-  view->addAction(tr("Reset &layout"), this, &MainWindow::resetLayout);
+  QMenu* layouts = view->addMenu(tr("&Layout"));
+  auto* layoutGroup = new QActionGroup(this);
+  const std::tuple<QString, QString, int> named[] = {{QStringLiteral("tune"), tr("&Tune"), Qt::Key_1}, {QStringLiteral("compare"), tr("&Compare"), Qt::Key_2}, {QStringLiteral("profile"), tr("&Profile"), Qt::Key_3}};
+  for (const auto& [id, name, key] : named) {
+    QAction* action = layouts->addAction(name, QKeySequence(Qt::ALT | key), this, [this, id = id] { switchLayout(id); });
+    action->setCheckable(true);
+    layoutGroup->addAction(action);
+    layoutActions_.emplace_back(id, action);
+  }
+  layouts->addSeparator();
+  layouts->addAction(tr("&Reset layout"), this, &MainWindow::resetLayout);
   view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
+
+  buildCompareMenu();
 
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   pause_ = run->addAction(tr("&Pause"), QKeySequence(Qt::Key_P), this, [this] { setPaused(pause_->isChecked()); });
@@ -77,6 +94,46 @@ void MainWindow::buildMenus() {
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->open();
   });
+}
+
+void MainWindow::buildCompareMenu() {
+  QMenu* menu = menuBar()->addMenu(tr("&Compare"));
+  menu->addAction(tr("&Take a snapshot"), QKeySequence(Qt::Key_C), &compare_, &Compare::takeSnapshot);
+  menu->addSeparator();
+  auto* group = new QActionGroup(this);
+  const std::tuple<QString, CompareMode, int> modes[] = {{tr("&Off"), CompareMode::Off, Qt::Key_F2},
+                                                         {tr("Wipe, &left and right"), CompareMode::WipeAcross, Qt::Key_F3},
+                                                         {tr("Wipe, &above and below"), CompareMode::WipeDown, Qt::Key_F4},
+                                                         {tr("&Flicker"), CompareMode::Flicker, Qt::Key_F6},
+                                                         {tr("&Side by side"), CompareMode::SideBySide, Qt::Key_F7},
+                                                         {tr("&Difference"), CompareMode::Difference, Qt::Key_F8},
+                                                         {tr("&Error map"), CompareMode::ErrorMap, Qt::Key_F9}};
+  for (const auto& [name, mode, key] : modes) {
+    QAction* action = menu->addAction(name, QKeySequence(key), this, [this, mode = mode] {
+      CompareChoice c = compare_.choice();
+      c.mode = mode;
+      compare_.choose(c);
+      if (auto* dock = findChild<QDockWidget*>(QStringLiteral("compareDock")); mode != CompareMode::Off && !dock->isHidden()) dock->raise();
+    });
+    action->setCheckable(true);
+    action->setChecked(mode == CompareMode::Off);
+    group->addAction(action);
+    connect(&compare_, &Compare::choiceChanged, action, [this, action, mode = mode] { action->setChecked(compare_.choice().mode == mode); });
+  }
+  menu->addSeparator();
+  menu->addAction(tr("S&wap A and B"), QKeySequence(Qt::Key_X), &compare_, &Compare::swap);
+}
+
+void MainWindow::showComparison() {
+  const CompareChoice& c = compare_.choice();
+  ShownComparison shown;
+  shown.pictures = compare_.pictures();
+  // Until those of a new mode are there, the old ones stay as they were meant.
+  shown.mode = c.mode == CompareMode::Off || shown.pictures.a.isNull() ? c.mode : shown.pictures.mode;
+  shown.nameA = compare_.nameOf(c.a), shown.nameB = compare_.nameOf(c.b);
+  shown.note = compare_.note();
+  shown.wipe = c.wipe, shown.flickerHz = c.flickerHz;
+  viewport_->setComparison(shown);
 }
 
 void MainWindow::showShortcuts() {

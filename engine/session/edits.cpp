@@ -2,6 +2,9 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "engine/core/log.h"
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
@@ -12,6 +15,7 @@ namespace {
 
 constexpr float kDefaultSliceMs = 30;
 constexpr int kCalmFrames = 10;  // that the picture must be shown the same way before its errors are measured anew
+constexpr float kRegionSlack = 1e-5f;  // what rounding may add to x + width
 constexpr int kMinResolution = 1, kMaxResolution = 8192;
 // A vertex normal counts as smooth when it leaves its triangle's normal by more than about 0.8 degrees.
 constexpr float kSmoothCosine = 0.9999f;
@@ -325,6 +329,30 @@ void Session::setReferenceWanted(bool wanted) {
   impl_->referenceWanted = wanted;
   impl_->referenceStopped = false;
 }
+void Session::setImagesWanted(const std::vector<std::string>& names) {
+  const std::vector<std::string> known = impl_->imageNames();
+  for (const std::string& name : names)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));
+  impl_->imagesWanted = names;
+}
+
+void Session::setRegions(const std::vector<Region>& regions) {
+  Impl& s = *impl_;
+  std::set<std::string> names;
+  for (const Region& r : regions) {
+    const bool inside = r.x >= 0 && r.y >= 0 && r.width > 0 && r.height > 0 && r.x + r.width <= 1 + kRegionSlack && r.y + r.height <= 1 + kRegionSlack;
+    if (!inside)
+      throw badInput(fmt::format("region '{}': {:.4g},{:.4g} {:.4g} x {:.4g} reaches beyond the picture or is empty; shares of it in [0, 1] are wanted", r.name,
+                                 r.x, r.y, r.width, r.height));
+    if (r.name.empty() || !names.insert(r.name).second) throw badInput(fmt::format("region '{}': a name of its own is wanted", r.name));
+  }
+  s.scene->regions = regions;
+  s.summary = summaryOf(*s.scene);
+  s.measuredSettled = false;
+  s.lastMeasurementMs = -1e9;  // measured with the next frame
+}
+
 void Session::setWorkPaused(bool paused) { impl_->workPaused = paused; }
 void Session::cancelWork() {
   impl_->workStopped = true;

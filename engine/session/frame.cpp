@@ -150,6 +150,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
   s.device.download(s.displayImage, r.display.data(), r.display.size());
   s.showHostView(r);
+  s.publishImages(r);
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();

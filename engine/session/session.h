@@ -1,6 +1,7 @@
 #pragma once
 // The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -109,6 +110,8 @@ struct FrameResult {
   uint64_t triangles = 0;
   AtlasReport atlas;                 ///< zero where the technique has no lightmap
   Preset preset;                     ///< as it stands
+  /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
+  std::map<std::string, std::shared_ptr<const Image>> images;
 };
 
 class Session {
@@ -132,6 +135,9 @@ class Session {
   void setDisplay(const Display&);
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
+  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
+  void setImagesWanted(const std::vector<std::string>& names);
+  void setRegions(const std::vector<Region>&);  ///< of interest, in place of the scene's: errors are measured for each. Shares of the picture in [0, 1]
   void setWorkPaused(bool);
   void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
   void restartWork();
@@ -159,7 +165,8 @@ class Session {
   /// The cache's files of the references that are complete, for bundles.
   std::vector<std::filesystem::path> referenceFiles() const;
 
-  /// Linear images of the last frame: "final", "indirect", "direct", "albedo", a debug view. @throws Error(BadInput) naming the views there are.
+  /// Linear images of the last frame: "final", "indirect", "direct", "albedo", "reference", "reference_matched" (limited to the light paths that the
+  /// technique models), a debug view. @throws Error(BadInput) naming the views there are.
   Image image(const std::string& view);
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");

@@ -90,6 +90,14 @@ struct Session::Impl {
   GpuImage directImage, indirectImage, finalImage, displayImage;
   Buffer displayCounters;
   uint32_t nonFinite = 0, negative = 0;
+  std::vector<std::string> imagesWanted;
+  /// Of a reference's result and a number of bounces: they stay the same from frame to frame.
+  struct KeptImage {
+    std::shared_ptr<const ReferenceResult> result;
+    int bounces = 0;
+    std::shared_ptr<const Image> image;
+  };
+  std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
   PickReport pickReport;
   PickedPoint picked;
@@ -140,6 +148,9 @@ struct Session::Impl {
   Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   void showHostView(FrameResult&);
+  void publishImages(FrameResult&);
+  const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
+  std::vector<std::string> imageNames() const;
   Image linearImage(const std::string& view);
 };
 

@@ -236,6 +236,56 @@ TEST_F(SessionTest, FlickerAndStepResponse) {
 }
 
 /// A reference that was left half-way is found again by the next session, and one that is done outlives what does not concern it.
+TEST_F(SessionTest, FramesCarryTheImagesThatWereAskedFor) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  EXPECT_TRUE(session->frame()->images.empty());
+  EXPECT_THROW(session->setImagesWanted({"finall"}), Error);
+  const std::vector<std::string> names = {"final", "indirect_irradiance", "reference", "reference_matched", "reference_matched_indirect"};
+  session->setImagesWanted(names);
+  const auto early = session->frame();
+  EXPECT_EQ(early->images.size(), 2u);  // no reference yet
+  session->setReferenceWanted(true);
+  const auto frame = session->settle();
+  ASSERT_EQ(frame->images.size(), names.size());
+  for (const std::string& name : names) {
+    ASSERT_TRUE(frame->images.at(name));
+    EXPECT_EQ(frame->images.at(name)->channels, 3);
+    EXPECT_EQ(frame->images.at(name)->data, session->image(name).data) << name;
+  }
+  // Two bounces are darker than all of them.
+  double matched = 0, full = 0;
+  for (const float v : frame->images.at("reference_matched")->data) matched += v;
+  for (const float v : frame->images.at("reference")->data) full += v;
+  EXPECT_LT(matched, full);
+  EXPECT_GT(matched, 0.5 * full);
+  // A reference's image is made once, as long as it stays the same.
+  EXPECT_EQ(session->frame()->images.at("reference"), frame->images.at("reference"));
+  session->setTechnique("none");
+  EXPECT_NO_THROW(session->frame());
+  expectNoMessages(*session);
+}
+
+TEST_F(SessionTest, ErrorsAreMeasuredForRegionsThatWereSet) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  session->setReferenceWanted(true);
+  session->settle();
+  const std::vector<Region> bad[] = {{{"a", 0.5f, 0, 0.6f, 1}}, {{"a", 0, 0, 0, 1}}, {{"", 0, 0, 1, 1}}, {{"a", 0, 0, 1, 1}, {"a", 0, 0, 1, 1}}, {{"a", -0.1f, 0, 1, 1}}};
+  for (const std::vector<Region>& regions : bad) EXPECT_THROW(session->setRegions(regions), Error);
+  session->setRegions({{"left", 0, 0, 0.5f, 1}, {"all", 0, 0, 1, 1}});
+  const auto frame = session->frame();
+  ASSERT_EQ(frame->scene->regions.size(), 2u);
+  std::map<std::string, double> relmse;
+  for (const ErrorValue& e : frame->errors)
+    if (e.metric == "relmse" && e.component == "indirect" && e.reference == "full") relmse[e.roi] = e.value;
+  ASSERT_EQ(relmse.size(), 3u);
+  EXPECT_EQ(relmse["all"], relmse[""]);
+  EXPECT_NE(relmse["left"], relmse[""]);
+  session->setRegions({});
+  for (const ErrorValue& e : session->frame()->errors) EXPECT_EQ(e.roi, "");
+}
+
 TEST_F(SessionTest, AReferenceLeftHalfWayGoesOnLater) {
   Preset preset = smallPreset("cornell_box", "radiosity");
   preset.parameters["reference.samples"] = "262144";
