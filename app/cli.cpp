@@ -25,6 +25,9 @@ struct Arguments {
   RenderOptions render;
   ReferenceOptions reference;
   CompareOptions compare;
+  PackOptions pack;
+  BenchOptions bench;
+  TuneArguments tune;
   bool markdown = false, schema = false;
 };
 
@@ -58,7 +61,7 @@ CLI::Validator finiteNumber(double least, double most) {
 
 void defineGlobal(CLI::App& app, GlobalOptions& global) {
   app.add_option("--device", global.device, "Vulkan device: its index in `list devices`, or part of its name");
-  app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree or bvh");
+  app.add_option("--tracer", global.tracer, "Ray tracer: auto, embree, bvh or pipeline");
   app.add_flag("--verbose", global.verbose, "Say more on stderr");
   app.add_flag("--validation", global.validation, "Validation layers on; any message fails the run")
       ->envname("HALFLIGHT_VALIDATION");
@@ -82,6 +85,8 @@ void defineRender(CLI::App& app, RenderOptions& o) {
   repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
       ->delimiter(',');
   repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');
+  c->add_option("--flicker", o.flicker, "How much the settled picture varies over so many further frames")->check(wholeNumber(2, 1'000'000));
+  c->add_option("--step", o.step, "How long the indirect light takes to follow: lights=FACTOR (all lights and the sky), or KEY=VALUE of a parameter");
   c->add_option("--out", o.out, "Folder for result.json, the picture and the linear images");
 }
 
@@ -106,7 +111,42 @@ void defineCompare(CLI::App& app, CompareOptions& o) {
   repeated(c, "--metric", o.metrics, "One of `list metrics`; may be repeated; all of them where left out")
       ->delimiter(',');
   repeated(c, "--roi", o.regions, "x,y,width,height in pixels; may be repeated");
+  c->add_option("--exposure", o.exposure, "Stops, for the metrics that look at the picture: ssim, flip, l_star_mse, dfpr")->check(finiteNumber(-64, 64));
+  c->add_option("--tone-map", o.toneMap, "Likewise: linear, aces or reinhard");
   c->add_option("--map", o.map, "The first metric's map: .exr or .pfm as values, .png in false colours");
+}
+
+void definePack(CLI::App& app, PackOptions& o) {
+  CLI::App* c = app.add_subcommand("pack", "A preset and its scene in one file, for a machine without the meshes");
+  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  c->add_option("--out", o.out, "The bundle, FILE.hlb")->required();
+  c->add_flag("--references", o.references, "Trace the references first, and let them travel too");
+  repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+}
+
+void defineBench(CLI::App& app, BenchOptions& o) {
+  CLI::App* c = app.add_subcommand("bench", "An experiment: sweep, results, speed against error. The same command goes on with what is there");
+  c->add_option("EXPERIMENT", o.experiment, "Its file, or the name of one in `list experiments`")->required();
+  c->add_option("--out", o.out, "Folder of the results")->required();
+}
+
+void defineTune(CLI::App& app, TuneArguments& o) {
+  CLI::App* c = app.add_subcommand("tune", "Search techniques and their knobs for the least error within a time budget");
+  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  c->add_option("--budget-ms", o.budgetMs, "For preparation, bake and frames until the finished work shows")->required()->check(finiteNumber(1e-3, 1e8));
+  c->add_flag("--per-frame", o.perFrame, "The budget is for a frame, with preparation and bake spread over --amortise frames");
+  c->add_option("--amortise", o.amortiseFrames, "Frames")->check(wholeNumber(1, 1'000'000));
+  repeated(c, "--techniques", o.techniques, "All but none where left out")->delimiter(',');
+  c->add_option("--metric", o.metric, "What is to be least");
+  c->add_option("--reference", o.reference, "What it is against: full or matched");
+  c->add_option("--candidates", o.candidates, "Drawn at first for each technique")->check(wholeNumber(2, 1000));
+  c->add_option("--seed", o.seed, "Of the drawing")->check(wholeNumber(0, std::numeric_limits<uint32_t>::max()));
+  repeated(c, "--set", o.set, "A parameter that stays as it is, KEY=VALUE; may be repeated");
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+  c->add_option("--out", o.out, "Folder of the winner and the evidence");
 }
 
 void define(CLI::App& app, Arguments& a) {
@@ -122,9 +162,12 @@ void define(CLI::App& app, Arguments& a) {
   defineRender(app, a.render);
   defineReference(app, a.reference);
   defineCompare(app, a.compare);
+  definePack(app, a.pack);
+  defineBench(app, a.bench);
+  defineTune(app, a.tune);
   CLI::App* describe = app.add_subcommand("describe", "Every parameter");
   describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
-  describe->add_flag("--schema", a.schema, "The JSON Schema of presets");
+  describe->add_flag("--schema", a.schema, "The JSON Schema of presets and experiments");
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->fallthrough();
 }
 
@@ -166,6 +209,9 @@ int dispatch(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("render")) return render(a.global, a.render);
   if (app.got_subcommand("reference")) return reference(a.global, a.reference);
   if (app.got_subcommand("compare")) return compare(a.global, a.compare);
+  if (app.got_subcommand("pack")) return pack(a.global, a.pack);
+  if (app.got_subcommand("bench")) return bench(a.global, a.bench);
+  if (app.got_subcommand("tune")) return tune(a.global, a.tune);
   return describe(a.markdown, a.schema);
 }
 

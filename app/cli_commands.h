@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "engine/core/progress.h"
+#include "engine/experiment/open_target.h"
 #include "engine/session/session.h"
+#include "engine/sweep/sweep.h"
 
 namespace hl::cli {
 
@@ -28,6 +30,8 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::string view;
   std::optional<float> exposure;
+  std::optional<int> flicker;
+  std::string step;
   std::string out;
 };
 
@@ -43,7 +47,29 @@ struct ReferenceOptions {
 struct CompareOptions {
   std::string value, reference;
   std::vector<std::string> metrics, regions;
+  float exposure = 0;
+  std::string toneMap = "linear";
   std::string map;
+};
+
+struct PackOptions {
+  std::string target, camera, resolution;
+  std::vector<std::string> set;
+  bool references = false;
+  std::string out;
+};
+
+struct BenchOptions {
+  std::string experiment, out;
+};
+
+struct TuneArguments {
+  std::string target, camera, resolution, out = "tune", metric = "relmse", reference = "full";
+  std::vector<std::string> techniques, set;
+  double budgetMs = 0;
+  bool perFrame = false;
+  int amortiseFrames = 60, candidates = 16;
+  uint32_t seed = 1;
 };
 
 int list(const GlobalOptions&, const std::string& what);
@@ -51,6 +77,9 @@ int doctor(const GlobalOptions&, const std::string& scene);
 int render(const GlobalOptions&, const RenderOptions&);
 int reference(const GlobalOptions&, const ReferenceOptions&);
 int compare(const GlobalOptions&, const CompareOptions&);
+int pack(const GlobalOptions&, const PackOptions&);
+int bench(const GlobalOptions&, const BenchOptions&);
+int tune(const GlobalOptions&, const TuneArguments&);
 int describe(bool markdown, bool schema);
 
 /// The kinds that `list` knows.
@@ -58,6 +87,8 @@ const std::vector<std::string>& listKinds();
 
 /// Progress that Ctrl-C cancels (a second one ends the program), shown on stderr where that is a terminal.
 std::shared_ptr<Progress> interruptibleProgress(const GlobalOptions&);
+/// Where a sweep stands, as a line on stderr.
+void showStatus(const SweepStatus&);
 /// Ends the line on the terminal.
 void finishProgress();
 
@@ -72,8 +103,6 @@ int validationVerdict(const GlobalOptions&, Device&, int code);
 void setResolution(Preset&, const std::string& text);
 /// KEY=VALUE pairs into the preset's parameters, checked. @throws Error(BadInput)
 void setParameters(Preset&, const std::vector<std::string>& pairs);
-/// @throws Error(BadInput) naming the nearest known metric.
-void checkMetrics(const std::vector<std::string>&);
 
 /// Before any work is done for it: that files can be written into the folder, or that it could be made. Leaves nothing
 /// behind. @throws Error(BadInput)

@@ -8,16 +8,16 @@
 #include <filesystem>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
+#include "engine/core/task_pool.h"
+#include "engine/experiment/preset_names.h"
 #include "engine/passes/display.h"
+#include "engine/passes/error_colours.h"
 
 namespace hl::cli {
 namespace {
-
-// False colours end at this quantile of the map, so that one bright pixel does not darken all others.
-constexpr double kMapQuantile = 0.98;
 
 std::string extensionOf(const std::string& file) {
   std::string e = std::filesystem::path(file).extension().string();
@@ -31,16 +31,6 @@ bool displayReferred(const std::string& file) {
   for (const char* known : {".png", ".jpg", ".jpeg", ".bmp", ".tga", ".gif", ".webp"})
     if (e == known) return true;
   return false;
-}
-
-/// Grey as three equal channels, so that it can be compared with colour; alpha is left out.
-Image rgbOf(const Image& in) {
-  if (in.channels == 3) return in;
-  Image out(in.width, in.height, 3);
-  const size_t stride = static_cast<size_t>(in.channels);
-  for (size_t i = 0; i < in.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) out.data[i * 3 + c] = in.data[i * stride + (in.channels >= 3 ? c : 0)];
-  return out;
 }
 
 Mask regionMask(const std::string& region, const Image& image) {
@@ -65,23 +55,19 @@ Mask regionMask(const std::string& region, const Image& image) {
   return mask;
 }
 
-float quantile(const Image& map) {
-  std::vector<float> sorted;
-  for (const float v : map.data)
-    if (std::isfinite(v)) sorted.push_back(std::abs(v));
-  if (sorted.empty()) return 1;
-  const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(kMapQuantile * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), at, sorted.end());
-  return std::max(*at, 1e-12f);
-}
-
-void writeMap(const Image& map, const std::string& file) {
+void writeMap(const Image& map, const MetricInfo& metric, const std::string& file) {
   if (!displayReferred(file)) return writeImage(file, map);
-  const std::vector<unsigned char> colours = falseColour(map, quantile(map));
+  const std::vector<unsigned char> colours = errorColours(map, metric);
   Image shown(map.width, map.height, 3);
   for (size_t i = 0; i < shown.pixels(); ++i)
     for (size_t c = 0; c < 3; ++c) shown.data[i * 3 + c] = static_cast<float>(colours[i * 4 + c]) / 255.0f;
   writeImage(file, shown);
+}
+
+ToneMap toneMapNamed(const std::string& name) {
+  const auto found = std::find(std::begin(kToneMapNames), std::end(kToneMapNames), name);
+  if (found == std::end(kToneMapNames)) throw badInput(fmt::format("--tone-map {}: one of {} is wanted", name, fmt::join(kToneMapNames, ", ")));
+  return static_cast<ToneMap>(found - std::begin(kToneMapNames));
 }
 
 struct Line {
@@ -107,7 +93,7 @@ std::string asJson(const std::vector<Line>& lines, const char* values) {
 std::string asTable(const std::vector<Line>& lines) {
   std::string out;
   for (const Line& l : lines)
-    out += fmt::format("{:<8} {:<14.7g} +- {:<10.2g}{}{}\n", l.metric, l.result.value, l.result.standardError,
+    out += fmt::format("{:<11} {:<14.7g} +- {:<10.2g}{}{}\n", l.metric, l.result.value, l.result.standardError,
                        l.roi.empty() ? "" : fmt::format(" in {}", l.roi),
                        l.result.nonFinite ? fmt::format("  {} pixels are NaN or infinite", l.result.nonFinite) : "");
   return out;
@@ -117,29 +103,48 @@ std::string asTable(const std::vector<Line>& lines) {
 
 int compare(const GlobalOptions& global, const CompareOptions& o) {
   checkMetrics(o.metrics);
-  std::vector<std::string> metrics = o.metrics;
-  if (metrics.empty())
-    for (const MetricInfo& m : metricInfos()) metrics.emplace_back(m.id);
   if (!o.map.empty()) checkOutputImage("--map", o.map, {".exr", ".pfm", ".png"});
   // Two pictures as shown are compared as they are stored; one of them against a linear image is made linear first.
   const bool shown = displayReferred(o.value) && displayReferred(o.reference);
+  std::vector<std::string> metrics = o.metrics;
+  for (const std::string& m : metrics)
+    if (shown && metricInfo(m).sceneReferred)
+      throw badInput(fmt::format("{} looks at light over a range of exposures, and {} holds what a screen shows: two EXR or PFM files are wanted", m, o.value));
+  if (metrics.empty())
+    for (const MetricInfo& m : metricInfos())
+      if (!shown || !m.sceneReferred) metrics.emplace_back(m.id);
+  if (shown && (o.exposure != 0 || o.toneMap != kToneMapNames[0]))
+    throw badInput(fmt::format("--exposure and --tone-map show light, and {} is a picture already", o.value));
   const Image a = rgbOf(readImage(o.value, !shown)), b = rgbOf(readImage(o.reference, !shown));
   if (a.width != b.width || a.height != b.height)
     throw badInput(fmt::format("{} has {}x{} pixels, {} has {}x{}: only images of one size can be compared", o.value,
                                a.width, a.height, o.reference, b.width, b.height));
-  std::vector<std::pair<std::string, Mask>> regions;
-  if (o.regions.empty()) regions.emplace_back("", Mask());
-  for (const std::string& r : o.regions) regions.emplace_back(r, regionMask(r, a));
+  std::vector<std::string> names;
+  std::vector<Mask> regions;
+  if (o.regions.empty()) names.emplace_back(), regions.emplace_back();
+  for (const std::string& r : o.regions) names.push_back(r), regions.push_back(regionMask(r, a));
+  TaskPool pool;
+  MeasureOptions options;
+  options.pool = &pool;
+  options.appearance = {.exposure = o.exposure, .curve = toneMapCurve(toneMapNamed(o.toneMap)), .stored = shown};
 
   std::vector<Line> lines;
   uint64_t nonFinite = 0;
-  for (const auto& [name, mask] : regions)
-    for (const std::string& m : metrics) {
-      lines.push_back({m, name, measure(m, a, {b, {}, {}}, mask)});
-      nonFinite = std::max(nonFinite, lines.back().result.nonFinite);
+  for (const std::string& m : metrics) {
+    const std::vector<MetricResult> results = measureRegions(m, a, {b, {}, {}}, options, regions);
+    for (size_t i = 0; i < results.size(); ++i) {
+      lines.push_back({m, names[i], results[i]});
+      nonFinite = std::max(nonFinite, results[i].nonFinite);
     }
+  }
+  std::stable_sort(lines.begin(), lines.end(), [&](const Line& x, const Line& y) {
+    return std::find(names.begin(), names.end(), x.roi) < std::find(names.begin(), names.end(), y.roi);
+  });
   print(global.json ? asJson(lines, shown ? "stored" : "linear") : asTable(lines));
-  if (!o.map.empty()) writeMap(measure(metrics.front(), a, {b, {}, {}}, {}, true).map, o.map);
+  if (!o.map.empty()) {
+    options.wantMap = true;
+    writeMap(measure(metrics.front(), a, {b, {}, {}}, options).map, metricInfo(metrics.front()), o.map);
+  }
   if (nonFinite > 0)
     throw Error(ErrorKind::Run, fmt::format("{} pixels are NaN or infinite: the comparison fails", nonFinite));
   return 0;

@@ -7,9 +7,10 @@
 #include <cstdlib>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
+#include "engine/core/import_module.h"
 #include "engine/core/task_pool.h"
 #include "engine/scene/scene_file.h"
 #include "engine/trace/tracer.h"
@@ -18,9 +19,14 @@
 namespace hl::cli {
 namespace {
 
-constexpr uint32_t kRays = 1u << 18;  // a batch that fills any device without running for seconds on a slow one
-constexpr int kRuns = 5;              // after one that is warm-up
-constexpr int kCopySide = 2048;       // 64 MiB as RGBA32F
+/// A batch that fills the device without running for seconds.
+uint32_t rayCount(const Device& device) { return device.isCpu() ? 1u << 18 : 1u << 22; }
+constexpr int kRuns = 9;              // after warming up
+constexpr double kWarmUpMs = 300;     // of work on a GPU
+/// Bytes copied at once: more than caches hold, no more than a buffer may have.
+uint64_t copyBytes(const Device& device) {
+  return std::min<uint64_t>(device.isCpu() ? 64ull << 20 : 1ull << 30, device.maxStorageBufferBytes() / 16 * 16);
+}
 constexpr float kRayOffset = 1e-5f;   // of the scene's diagonal
 
 struct TracerReport {
@@ -34,6 +40,7 @@ struct Report {
   double copyGbps = 0;
   std::string scene;
   uint64_t triangles = 0;
+  uint32_t rays = 0;  ///< a batch
   std::vector<TracerReport> tracers;
   std::vector<std::string> missing;
 };
@@ -74,9 +81,9 @@ class SurfacePoints {
 };
 
 /// Gathering rays: cosine distributed round the normals of random surface points. Incoherent, as a bake's are.
-std::vector<shared::Ray> gatherRays(const SurfacePoints& points, float diagonal) {
-  std::vector<shared::Ray> rays(kRays);
-  for (uint32_t i = 0; i < kRays; ++i) {
+std::vector<shared::Ray> gatherRays(const SurfacePoints& points, uint32_t count, float diagonal) {
+  std::vector<shared::Ray> rays(count);
+  for (uint32_t i = 0; i < count; ++i) {
     shared::Random random = shared::randomInit(1, i, 0);
     const auto p = points.sample(random);
     // A unit sphere's point added to the normal is cosine distributed about it.
@@ -90,9 +97,9 @@ std::vector<shared::Ray> gatherRays(const SurfacePoints& points, float diagonal)
 }
 
 /// Visibility rays: from one random surface point to another.
-std::vector<shared::Ray> visibilityRays(const SurfacePoints& points, float diagonal) {
-  std::vector<shared::Ray> rays(kRays);
-  for (uint32_t i = 0; i < kRays; ++i) {
+std::vector<shared::Ray> visibilityRays(const SurfacePoints& points, uint32_t count, float diagonal) {
+  std::vector<shared::Ray> rays(count);
+  for (uint32_t i = 0; i < count; ++i) {
     shared::Random random = shared::randomInit(2, i, 0);
     const auto from = points.sample(random), to = points.sample(random);
     const float side = glm::dot(from.normal, to.position - from.position) < 0 ? -1.0f : 1.0f;
@@ -107,60 +114,81 @@ double median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
-double millionRays(FrameGraph& graph, Tracer& tracer, const Buffer& rays, const Buffer& out, Query query,
-                   Progress& progress) {
-  std::vector<double> ms;
-  for (int run = 0; run <= kRuns; ++run) {
-    progress.check();
-    tracer.record(graph, "doctor: rays", rays, out, kRays, query);
-    const BatchTimings t = graph.execute();
-    if (run > 0) ms.push_back(t.wallMs);  // the first compiles
-  }
-  return kRays / (median(ms) * 1e3);
+/// Of the passes' own times: submission and waiting are no part of a tracer's rate.
+double passMs(const BatchTimings& timings) {
+  double ms = 0;
+  for (const PassTiming& p : timings.passes) ms += p.ms;
+  return ms;
 }
 
-double copyRate(Device& device, ShaderLibrary& shaders) {
+/// Runs `once` (which returns its milliseconds) until it is warm: compiled, and a GPU's clocks up. Then the median of kRuns.
+template <class Once>
+double medianMs(const Device& device, Progress& progress, const Once& once) {
+  double warm = 0;
+  do {
+    progress.check();
+    warm += once();
+  } while (!device.isCpu() && warm < kWarmUpMs);
+  std::vector<double> ms;
+  for (int run = 0; run < kRuns; ++run) {
+    progress.check();
+    ms.push_back(once());
+  }
+  return median(std::move(ms));
+}
+
+double millionRays(const Device& device, FrameGraph& graph, Tracer& tracer, const Buffer& rays, const Buffer& out, uint32_t count, Query query, Progress& progress) {
+  return count / (1e3 * medianMs(device, progress, [&] {
+    tracer.record(graph, "doctor: rays", rays, out, count, query);
+    return passMs(graph.execute());
+  }));
+}
+
+/// Buffer to buffer by a compute shader, as the engine's own passes move data; every byte is read once and written once.
+double copyRate(Device& device, ShaderLibrary& shaders, Progress& progress) {
   FrameGraph graph(device, shaders);
-  const ImageDesc desc{kCopySide, kCopySide, Format::RGBA32F};
-  const GpuImage from = device.image("doctor: from", desc), to = device.image("doctor: to", desc);
+  const uint64_t bytes = copyBytes(device);
+  const Buffer from = device.buffer("doctor: from", bytes), to = device.buffer("doctor: to", bytes);
   graph.clear("doctor: clear", from);
   graph.execute();
-  std::vector<double> ms;
-  for (int run = 0; run <= kRuns; ++run) {
-    graph.copy("doctor: copy", from, to);
-    const double wall = graph.execute().wallMs;
-    if (run > 0) ms.push_back(wall);
-  }
-  return 16.0 * kCopySide * kCopySide / (median(ms) * 1e6);
+  const auto words = static_cast<uint32_t>(bytes / 16);
+  const double ms = medianMs(device, progress, [&] {
+    graph.compute("doctor: copy", "passes/copy.comp").bind("from", from, Access::Read).bind("to", to, Access::Write).push(words).dispatchThreads(words);
+    return passMs(graph.execute());
+  });
+  return static_cast<double>(bytes) / (ms * 1e6);
 }
 
 void traceScene(Report& report, Device& device, ShaderLibrary& shaders, const std::string& name, Progress& progress) {
   const Scene scene = loadScene(name, &progress);
-  report.scene = scene.name, report.triangles = scene.triangles();
+  const uint32_t rays = rayCount(device);
+  report.scene = scene.name, report.triangles = scene.triangles(), report.rays = rays;
   TaskPool pool;
   const GpuScene gpuScene = uploadScene(device, scene);
   const auto embree = std::make_shared<const EmbreeScene>(scene, &progress);
   const SurfacePoints points(scene);
   if (points.empty()) throw badInput(fmt::format("{}: a scene without surfaces has no rays to time", name));
   const Buffer gather =
-      device.buffer("doctor: gather rays", std::span<const shared::Ray>(gatherRays(points, scene.bounds.diagonal())));
+      device.buffer("doctor: gather rays", std::span<const shared::Ray>(gatherRays(points, rays, scene.bounds.diagonal())));
   const Buffer visibility = device.buffer(
-      "doctor: visibility rays", std::span<const shared::Ray>(visibilityRays(points, scene.bounds.diagonal())));
-  const Buffer hits = device.buffer("doctor: hits", kRays * sizeof(shared::Hit));
-  const Buffer bits = device.buffer("doctor: bits", kRays * sizeof(uint32_t));
+      "doctor: visibility rays", std::span<const shared::Ray>(visibilityRays(points, rays, scene.bounds.diagonal())));
+  const Buffer hits = device.buffer("doctor: hits", rays * sizeof(shared::Hit));
+  const Buffer bits = device.buffer("doctor: bits", rays * sizeof(uint32_t));
   for (const TracerListing& listing : listTracers(device)) {
     TracerReport r{listing};
     if (listing.available) {
       const auto tracer = makeTracer(listing.id, device, shaders, scene, gpuScene, embree, pool, &progress);
       FrameGraph graph(device, shaders);
-      r.closest = millionRays(graph, *tracer, gather, hits, Query::Closest, progress);
-      r.any = millionRays(graph, *tracer, visibility, bits, Query::Any, progress);
+      r.closest = millionRays(device, graph, *tracer, gather, hits, rays, Query::Closest, progress);
+      r.any = millionRays(device, graph, *tracer, visibility, bits, rays, Query::Any, progress);
     }
     report.tracers.push_back(r);
   }
 }
 
 void missingThings(Report& report) {
+  if (const std::string why = importMissing(); !why.empty())
+    report.missing.push_back(fmt::format("import module: {}; scenes come from bundles (.hlb), images are .pfm", why));
   for (const SceneListing& s : listScenes())
     if (!s.available) report.missing.push_back(fmt::format("scene {}: {}", s.id, s.missing));
   if (!std::getenv("HALFLIGHT_SCENES"))
@@ -182,7 +210,7 @@ std::string asJson(const Report& r) {
         .endObject();
   w.key("features").beginObject();
   for (const auto& [name, there] : r.device.features) w.member(name, there);
-  w.endObject().member("copy_gbps", r.copyGbps).member("scene", r.scene).member("triangles", r.triangles);
+  w.endObject().member("copy_gbps", r.copyGbps).member("scene", r.scene).member("triangles", r.triangles).member("rays", r.rays);
   w.key("tracers").beginArray();
   for (const TracerReport& t : r.tracers) {
     w.beginObject()
@@ -207,10 +235,10 @@ std::string asText(const Report& r) {
                        r.device.api);
     for (const auto& [name, there] : r.device.features)
       out += fmt::format("         {:<40} {}\n", name, there ? "yes" : "no");
-    out += fmt::format("copy     {:.1f} GB/s, image to image\n", r.copyGbps);
+    out += fmt::format("copy     {:.1f} GB/s copied (each byte read and written)\n", r.copyGbps);
   }
   if (!r.tracers.empty())
-    out += fmt::format("tracers  on {} ({} triangles), batches of {} incoherent rays\n", r.scene, r.triangles, kRays);
+    out += fmt::format("tracers  on {} ({} triangles), batches of {} incoherent rays\n", r.scene, r.triangles, r.rays);
   for (const TracerReport& t : r.tracers)
     out += t.listing.available ? fmt::format("         {:<8} {:8.2f} Mrays/s closest hit, {:8.2f} any hit\n",
                                              t.listing.id, t.closest, t.any)
@@ -230,7 +258,7 @@ int doctor(const GlobalOptions& global, const std::string& scene) {
     report.device = device.info();
     report.found = true;
     ShaderLibrary shaders(device);
-    report.copyGbps = copyRate(device, shaders);
+    report.copyGbps = copyRate(device, shaders, *progress);
     traceScene(report, device, shaders, scene, *progress);
     finishProgress();
     print(global.json ? asJson(report) : asText(report));

@@ -8,8 +8,9 @@
 #include "app/cli_results.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
-#include "engine/core/hash.h"
 #include "engine/core/image_io.h"
+#include "engine/core/import_module.h"
+#include "engine/experiment/experiment.h"
 #include "engine/experiment/open_target.h"
 
 namespace hl::cli {
@@ -17,15 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostStepFrames = 10'000;
+
 /// The preset that the command line asks for, checked before any device is touched.
 Preset wantedPreset(const RenderOptions& o) {
   Preset preset = openTarget(o.target);
-  if (!o.technique.empty() && o.technique != preset.technique) {
-    techniqueInfo(o.technique);
-    const std::string own = preset.technique + ".";  // the old technique's parameters mean nothing to the new one
-    std::erase_if(preset.parameters, [&](const auto& p) { return p.first.starts_with(own); });
-    preset.technique = o.technique;
-  }
+  if (!o.technique.empty()) changeTechnique(preset, o.technique);
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
@@ -36,6 +34,10 @@ Preset wantedPreset(const RenderOptions& o) {
   for (const std::string& target : o.errorTargets)
     if (target != "image" && target != "lightmap")
       throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
+  if (!o.step.empty() && !parseStep(o.step).ofLights()) {
+    Preset stepped = preset;
+    setParameters(stepped, {o.step});
+  }
   if (!o.out.empty()) checkOutputFolder("--out", o.out);
   return preset;
 }
@@ -66,20 +68,13 @@ class Folder {
     if (failed) throw badInput(fmt::format("--out {}: the folder cannot be made: {}", path, failed.message()));
     results_.folder = path;
   }
-  void image(Session& session, const char* view, const std::string& name) {
-    Image image = session.image(view);
-    image.metadata = attributes();
-    writeImage(path_ / name, image);
-    results_.files.push_back(name);
-  }
+  void image(Session& session, const char* view, const std::string& name) { write(session.image(view), name, ".exr"); }
   void picture() {
     const FrameResult& f = *results_.frame;
     Image image(f.width, f.height, 3);
     for (size_t i = 0; i < image.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(f.display[i * 4 + c]) / 255.0f;
-    image.metadata = attributes();
-    writeImage(path_ / "picture.png", image);
-    results_.files.emplace_back("picture.png");
+    write(std::move(image), "picture", ".png");
   }
   void results() {
     results_.files.emplace_back("result.json");
@@ -87,6 +82,14 @@ class Folder {
   }
 
  private:
+  /// As .pfm (three channels, nothing beside them) where the module that writes other formats is not there.
+  void write(Image image, const std::string& name, const char* extension) {
+    image.metadata = attributes();
+    const bool plain = !importMissing().empty();
+    const std::string file = name + (plain ? ".pfm" : extension);
+    writeImage(path_ / file, plain ? rgbOf(image) : image);
+    results_.files.push_back(file);
+  }
   std::map<std::string, std::string> attributes() const {
     return imageAttributes(results_.frame->preset, results_.frame->provenance);
   }
@@ -94,21 +97,15 @@ class Folder {
   RunResults& results_;
 };
 
-void writeOut(Session& session, const std::string& path, RunResults& results) {
-  Folder folder(path, results);
+void writeOut(Session& session, Folder& folder) {
   folder.picture();
-  folder.image(session, "final", "final.exr");
-  folder.image(session, "indirect", "indirect.exr");
-  folder.image(session, "indirect_irradiance", "indirect_irradiance.exr");
+  folder.image(session, "final", "final");
+  folder.image(session, "indirect", "indirect");
+  folder.image(session, "indirect_irradiance", "indirect_irradiance");
   if (session.currentReference()) {
-    folder.image(session, "reference", "reference.exr");
-    folder.image(session, "reference_indirect", "reference_indirect_irradiance.exr");
+    folder.image(session, "reference", "reference");
+    folder.image(session, "reference_indirect", "reference_indirect_irradiance");
   }
-  folder.results();
-}
-
-std::string hashOfImage(const Image& image) {
-  return hashOf({reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float)});
 }
 
 /// The errors of the run, with the references that they need.
@@ -117,6 +114,15 @@ void measureRun(Session& session, const RenderOptions& o, RunResults& results, P
     session.reference(target, &progress);
     const std::vector<ErrorValue> errors = session.measureErrors(o.metrics, target);
     results.errors.insert(results.errors.end(), errors.begin(), errors.end());
+  }
+}
+
+void followStep(Session& session, const RenderOptions& o, RunResults& results, Progress& progress) {
+  try {
+    results.step.emplace(o.step, session.measureStep(parseStep(o.step), kMostStepFrames, &progress));
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Cancelled) throw;
+    results.cancelled = true;
   }
 }
 
@@ -141,6 +147,8 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   session.load(preset, progress.get());
   for (const std::string& w : session.scene().report.warnings) note(w);
 
+  if (!o.step.empty()) session.checkStep(parseStep(o.step));
+
   RunResults results;
   try {
     // With the truth at hand from the start, the error is followed while the technique works.
@@ -150,6 +158,10 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
     }
     results.frame = o.frames ? renderFrames(session, *o.frames, *progress) : session.settle(progress.get());
     if (!o.metrics.empty()) measureRun(session, o, results, *progress);
+    if (o.flicker) {
+      const std::vector<ErrorValue> flicker = session.measureFlicker(*o.flicker, progress.get());
+      results.errors.insert(results.errors.end(), flicker.begin(), flicker.end());
+    }
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Cancelled) throw;
     results.cancelled = true;
@@ -157,7 +169,11 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   }
   finishProgress();
   results.imageHash = hashOfImage(session.image("final"));
-  if (!o.out.empty()) writeOut(session, o.out, results);
+  std::optional<Folder> folder;
+  if (!o.out.empty()) writeOut(session, folder.emplace(o.out, results));
+  // Last, since it leaves another picture behind.
+  if (!o.step.empty() && !results.cancelled) followStep(session, o, results, *progress);
+  if (folder) folder->results();
   print(global.json ? resultsJson(results) : resultsText(results));
 
   if (results.cancelled) throw Error(ErrorKind::Cancelled, "cancelled; what was done is kept");

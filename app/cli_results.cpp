@@ -2,62 +2,22 @@
 
 #include <fmt/format.h>
 
-#include "app/json_writer.h"
-#include "engine/experiment/open_target.h"
+#include <cmath>
 
 namespace hl::cli {
 namespace {
 
-void writeProvenance(JsonWriter& w, const Provenance& p) {
-  w.beginObject()
-      .member("commit", p.commit)
-      .member("dirty", p.dirty)
-      .member("preset_hash", p.presetHash)
-      .member("scene_hash", p.sceneHash)
-      .member("seed", p.seed)
-      .member("device", p.device)
-      .member("driver", p.driver)
-      .member("api", p.api)
-      .member("tracer", p.tracer)
-      .member("timing", p.timing)
-      .endObject();
+std::string stepText(const std::pair<std::string, StepReport>& step) {
+  const StepReport& s = step.second;
+  const auto reached = [&](const std::optional<uint64_t>& frames, const std::optional<double>& ms, const char* share) {
+    return frames ? fmt::format("{} left from frame {} on ({:.2f} s)", share, *frames, *ms / 1000) : fmt::format("{} left not reached in {} frames", share, s.left.size());
+  };
+  if (s.size == 0) return fmt::format("step {}: it changes nothing in the indirect light\n", step.first);
+  return fmt::format("step {}: {}, {}\n", step.first, reached(s.frames5, s.ms5, "5 %"), reached(s.frames1, s.ms1, "1 %"));
 }
 
-void writePass(JsonWriter& w, const PassStatistics& p, const char* during) {
-  w.beginObject()
-      .member("name", p.name)
-      .member("where", p.where)
-      .member("during", during)
-      .member("median_ms", p.medianMs)
-      .member("p5_ms", p.p5Ms)
-      .member("p95_ms", p.p95Ms)
-      .key("skipped");
-  p.skipped.empty() ? w.null() : w.text(p.skipped);
-  w.endObject();
-}
-
-void writeError(JsonWriter& w, const ErrorValue& e) {
-  w.beginObject()
-      .member("reference", e.reference)
-      .member("target", e.target)
-      .member("component", e.component)
-      .member("metric", e.metric)
-      .member("value", e.value)
-      .member("noise_floor", e.noiseFloor)
-      .member("standard_error", e.standardError)
-      .member("non_finite", e.nonFinite)
-      .member("roi", e.roi)
-      .endObject();
-}
-
-/// The figure that the convergence plot shows: indirect light of the whole image against the matched reference.
-const ErrorValue* plotted(const std::vector<ErrorValue>& errors) {
-  for (const ErrorValue& e : errors)
-    if (e.reference == "matched" && e.target == "image" && e.component == "indirect" && e.metric == "relmse" &&
-        e.roi.empty())
-      return &e;
-  return nullptr;
-}
+/// Not a number means that it is not known.
+std::string knownText(double v) { return std::isnan(v) ? "n/a" : fmt::format("{:.2g}", v); }
 
 std::string bytesText(uint64_t bytes) { return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20)); }
 
@@ -69,59 +29,6 @@ std::string passLine(const PassStatistics& p) {
 }
 
 }  // namespace
-
-std::string provenanceJson(const Provenance& p) {
-  JsonWriter w;
-  writeProvenance(w, p);
-  return w.str();
-}
-
-std::map<std::string, std::string> imageAttributes(const Preset& preset, const Provenance& provenance) {
-  return {{kPresetAttribute, presetJson(preset)}, {kProvenanceAttribute, provenanceJson(provenance)}};
-}
-
-std::string resultsJson(const RunResults& r) {
-  const FrameResult& f = *r.frame;
-  JsonWriter w;
-  w.beginObject()
-      .key("preset")
-      .raw(presetJson(f.preset, true))
-      .member("technique", f.preset.technique)
-      .member("frames", f.frame);
-  w.member("settled", f.settled).member("cancelled", r.cancelled);
-  w.key("frame_ms")
-      .beginObject()
-      .member("median", f.frameTime.medianMs)
-      .member("p5", f.frameTime.p5Ms)
-      .member("p95", f.frameTime.p95Ms)
-      .member("unaccounted_share", f.unaccounted)
-      .endObject();
-  w.key("work").beginObject().member("ms", f.workMs).member("units", f.workUnits).endObject();
-  w.key("passes").beginArray();
-  for (const PassStatistics& p : f.passes) writePass(w, p, "frame");
-  for (const PassStatistics& p : f.workPasses) writePass(w, p, "work");
-  w.endArray().key("memory").beginArray();
-  for (const MemoryItem& m : f.memory) w.beginObject().member("name", m.name).member("bytes", m.bytes).endObject();
-  w.endArray().key("errors").beginArray();
-  for (const ErrorValue& e : r.errors) writeError(w, e);
-  w.endArray().key("counters").beginObject();
-  for (const auto& [name, value] : f.counters) w.member(name, value);
-  w.endObject().key("convergence").beginArray();
-  for (const ConvergencePoint& point : *f.convergence)
-    if (const ErrorValue* e = plotted(point.errors))
-      w.beginObject().member("frame", point.frame).member("ms", point.ms).member("relmse", e->value).endObject();
-  w.endArray().key("image").beginObject();
-  w.member("width", f.width)
-      .member("height", f.height)
-      .member("hash", r.imageHash)
-      .member("display_hash", f.displayHash)
-      .endObject();
-  w.key("files").beginArray();
-  for (const std::string& file : r.files) w.text(file);
-  w.endArray().member("message", f.message).key("provenance");
-  writeProvenance(w, f.provenance);
-  return w.endObject().str() + "\n";
-}
 
 std::string resultsText(const RunResults& r) {
   const FrameResult& f = *r.frame;
@@ -142,13 +49,14 @@ std::string resultsText(const RunResults& r) {
   out += fmt::format("memory {} on the device\n", bytesText(device));
   for (const auto& [name, value] : f.counters) out += fmt::format("  {:<40} {}\n", name, value);
   if (!r.errors.empty())
-    out += fmt::format("errors\n  {:<8} {:<8} {:<9} {:<8} {:>12} {:>12} {:>12}\n", "against", "of", "part", "metric",
+    out += fmt::format("errors\n  {:<8} {:<8} {:<9} {:<10} {:>12} {:>12} {:>12}\n", "against", "of", "part", "metric",
                        "value", "+-", "noise floor");
   for (const ErrorValue& e : r.errors)
-    out += fmt::format("  {:<8} {:<8} {:<9} {:<8} {:12.5g} {:12.2g} {:12.2g}{}\n", e.reference, e.target, e.component,
-                       e.metric, e.value, e.standardError, e.noiseFloor,
+    out += fmt::format("  {:<8} {:<8} {:<9} {:<10} {:12.5g} {:>12} {:>12}{}\n", e.reference, e.target, e.component,
+                       e.metric, e.value, knownText(e.standardError), knownText(e.noiseFloor),
                        (e.roi.empty() ? "" : fmt::format("  in {}", e.roi)) +
                            (e.value < e.noiseFloor && e.metric != "psnr" ? "  (less than the reference's noise: more samples tell more)" : ""));
+  if (r.step) out += stepText(*r.step);
   if (!r.files.empty()) out += fmt::format("written to {}: {}\n", r.folder, fmt::join(r.files, ", "));
   return out;
 }

@@ -7,7 +7,7 @@ halflight_build_packages=(
   build-essential ccache cmake git ninja-build pkg-config
   glslang-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev libvulkan-dev libvulkan-volk-dev
   libassimp-dev zlib1g-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools libtbb-dev
-  libcli11-dev libfmt-dev libspdlog-dev libxxhash-dev nlohmann-json3-dev
+  libcli11-dev libfmt-dev libspdlog-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
   libqcustomplot-dev qt6-base-dev
   mesa-vulkan-drivers
 )

@@ -14,7 +14,7 @@ target_compile_definitions(hl_options INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_
                                                 VK_NO_PROTOTYPES)
 target_include_directories(hl_options INTERFACE "${CMAKE_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/generated")
 target_link_libraries(hl_options INTERFACE Threads::Threads)
-# OpenImageIO brings 260 shared libraries: a program that reads no images should not load them.
+# A program loads the libraries that it uses, not those that it could use.
 target_link_options(hl_options INTERFACE -Wl,--as-needed)
 if(HALFLIGHT_SANITIZE)
   target_compile_options(hl_options INTERFACE "-fsanitize=${HALFLIGHT_SANITIZE}" -fno-omit-frame-pointer -g1
@@ -33,6 +33,11 @@ function(hl_module name)
   target_link_libraries(hl_${name} PUBLIC hl_options ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
 endfunction()
 
+# hl_program(halflight-cli): an executable that may come to load the import module, which nothing links.
+function(hl_program target)
+  add_dependencies(${target} hl_import)
+endfunction()
+
 # hl_test(unit/metrics_test.cpp LABELS unit DEPS hl_metrics [TIMEOUT 300] [ALONE]): one executable and one ctest entry. ALONE: it measures how soon
 # something happens, and no other test runs beside it.
 # Under the thread sanitizer only tests with the label `threads` or `session` are built and run: those are about threads of ours. Under the address
@@ -42,6 +47,7 @@ function(hl_test source)
   string(REGEX REPLACE "[/\\.]" "_" target "${source}")
   string(REGEX REPLACE "_cpp$" "" target "${target}")
   add_executable(${target} ${source})
+  hl_program(${target})
   target_link_libraries(${target} PRIVATE ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   if(HALFLIGHT_SANITIZE MATCHES "address" AND "statistics" IN_LIST ARG_LABELS)
     set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL TRUE)

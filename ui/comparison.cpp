@@ -27,7 +27,7 @@ Image ramp(float from, float to) {
 }
 
 QImage colours(const Image& map, float scale, bool isSigned) {
-  return pictureOf(isSigned ? signedColour(map, scale) : falseColour(map, scale), map.width, map.height);
+  return pictureOf(falseColour(map, scale, isSigned ? ColourScale::Signed : ColourScale::Viridis), map.width, map.height);
 }
 
 /// Differences and maps: pixel against pixel.

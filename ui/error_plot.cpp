@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/metrics/metrics.h"
 #include "ui/palette.h"
 #include "ui/plot_style.h"
 
@@ -46,8 +47,9 @@ ErrorPlot::ErrorPlot(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(t
 }
 
 void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::string& metric, const std::string& component, bool byFrames) {
-  // Bias has a sign and psnr is in decibels: both on a linear axis.
-  const bool logarithmic = metric != "bias" && metric != "psnr";
+  // Bias has a sign, psnr is in decibels, ssim ends at 1: all on a linear axis.
+  const MetricInfo& info = metricInfo(metric);
+  const bool logarithmic = info.perfect == 0 && !info.mapSigned;
   QVector<double> keys[2], values[2], floorKeys, floorValues;
   for (const ConvergencePoint& p : points)
     for (const ErrorValue& e : p.errors) {

@@ -10,6 +10,8 @@
 #include <QSignalBlocker>
 #include <QToolButton>
 
+#include "engine/metrics/metrics.h"
+
 namespace hl::ui {
 namespace {
 
@@ -25,6 +27,7 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
     : QWidget(parent),
       document_(document),
       view_(new QComboBox(this)),
+      errorMetric_(new QComboBox(this)),
       exposure_(new QDoubleSpinBox(this)),
       toneMap_(new QComboBox(this)),
       invalid_(new QCheckBox(tr("Invalid pixels"), this)),
@@ -44,6 +47,11 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
   view_->setMinimumContentsLength(16);
   view_->view()->setMinimumWidth(fontMetrics().horizontalAdvance(QLatin1Char('0')) * 36);
   labelled(tr("View"), view_);
+  errorMetric_->setAccessibleName(tr("Metric of the error view"));
+  errorMetric_->setToolTip(tr("Whose map is shown. FLIP and SSIM end at 1 (magma), signed errors run from blue to red, the others end where 98 % of the pixels do"));
+  for (const MetricInfo& m : metricInfos())
+    errorMetric_->addItem(QString::fromUtf8(m.label.data(), static_cast<qsizetype>(m.label.size())), QString::fromUtf8(m.id.data(), static_cast<qsizetype>(m.id.size())));
+  line->addWidget(errorMetric_);
   exposure_->setRange(-kExposureLimit, kExposureLimit);
   exposure_->setSingleStep(kHalfStop);
   exposure_->setDecimals(2);
@@ -69,6 +77,7 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
   line->addWidget(figures_, 1);
 
   connect(view_, &QComboBox::activated, this, [this] { changed(tr("view %1").arg(view_->currentText())); });
+  connect(errorMetric_, &QComboBox::activated, this, [this] { changed(tr("error map %1").arg(errorMetric_->currentText())); });
   connect(exposure_, &QDoubleSpinBox::valueChanged, this, [this] { changed(tr("exposure")); });
   connect(toneMap_, &QComboBox::activated, this, [this] { changed(tr("tone map %1").arg(toneMap_->currentText())); });
   connect(invalid_, &QCheckBox::toggled, this, [this] { changed(tr("invalid pixels")); });
@@ -100,6 +109,8 @@ void ViewportBar::readDocument() {
   const Preset& p = document_.preset();
   const QSignalBlocker a(view_), b(exposure_), c(toneMap_), d(invalid_), e(resolution_);
   view_->setCurrentIndex(view_->findData(QString::fromStdString(p.display.view)));
+  errorMetric_->setCurrentIndex(errorMetric_->findData(QString::fromStdString(p.display.errorMetric)));
+  errorMetric_->setVisible(p.display.view.rfind("error", 0) == 0);
   exposure_->setValue(p.display.exposure);
   toneMap_->setCurrentIndex(static_cast<int>(p.display.toneMap));
   invalid_->setChecked(p.display.showInvalid);
@@ -109,6 +120,7 @@ void ViewportBar::readDocument() {
 void ViewportBar::changed(const QString& what, quint64 drag) {
   Display display = document_.preset().display;
   display.view = view_->currentData().toString().toStdString();
+  display.errorMetric = errorMetric_->currentData().toString().toStdString();
   display.exposure = static_cast<float>(exposure_->value());
   display.toneMap = static_cast<ToneMap>(toneMap_->currentIndex());
   display.showInvalid = invalid_->isChecked();

@@ -28,6 +28,7 @@ class ViewportBar : public QWidget {
 
   Document& document_;
   QComboBox* view_;
+  QComboBox* errorMetric_;  ///< shown with the error views alone
   QDoubleSpinBox* exposure_;
   QComboBox* toneMap_;
   QCheckBox* invalid_;

@@ -45,14 +45,13 @@ fs::path fromEnvironment(const char* name) {
   return value ? fs::path(value) : fs::path();
 }
 
-/// A finished program's folder, or the current one where the system does not say.
-fs::path executableFolder() {
+}  // namespace
+
+fs::path programFolder() {
   std::error_code ignored;
   const fs::path executable = fs::read_symlink("/proc/self/exe", ignored);
   return executable.empty() ? fs::current_path() : executable.parent_path();
 }
-
-}  // namespace
 
 std::string readFile(const fs::path& file) {
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
@@ -117,14 +116,14 @@ fs::path homeFolder() {
   if (const fs::path given = fromEnvironment("HALFLIGHT_HOME"); !given.empty()) return given;
   const fs::path source(HALFLIGHT_SOURCE_DIR);
   std::error_code ignored;
-  return fs::is_directory(source / "shaders", ignored) ? source : executableFolder();
+  return fs::is_directory(source / "shaders", ignored) ? source : programFolder();
 }
 
 fs::path shaderFolder() {
   if (const fs::path given = fromEnvironment("HALFLIGHT_SHADERS"); !given.empty()) return given;
   const fs::path built(HALFLIGHT_SHADER_DIR);
   std::error_code ignored;
-  return fs::is_directory(built, ignored) ? built : executableFolder() / "shaders";
+  return fs::is_directory(built, ignored) ? built : programFolder() / "shaders";
 }
 
 fs::path cacheFolder() {

@@ -19,6 +19,8 @@ void writeFileAtomically(const std::filesystem::path& file, std::string_view byt
 std::filesystem::path temporaryBeside(const std::filesystem::path& file);
 void moveIntoPlace(const std::filesystem::path& temporary, const std::filesystem::path& file);
 
+/// The running program's own folder, or the current one where the system does not say.
+std::filesystem::path programFolder();
 /// The folder that holds shaders/, scenes/ and presets/: HALFLIGHT_HOME where set, else the source tree the program was built from,
 /// else beside the executable.
 std::filesystem::path homeFolder();

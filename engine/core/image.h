@@ -19,6 +19,9 @@ struct Image {
   const float* pixel(int x, int y) const { return data.data() + (static_cast<size_t>(y) * width + x) * channels; }
 };
 
+/// Three channels: grey as three equal ones, alpha left out; metadata stays where nothing changes.
+Image rgbOf(const Image&);
+
 /// 1 where a pixel counts, 0 where not. Empty means every pixel counts.
 using Mask = std::vector<unsigned char>;
 

@@ -10,8 +10,8 @@ namespace hl {
 Image readPfm(const std::filesystem::path& file);
 void writePfm(const std::filesystem::path& file, const Image& image);
 
-/// Every other format, through OpenImageIO. `to` is written as it is; `shown` is the name that messages give.
-Image readWithOiio(const std::filesystem::path& file, bool srgbToLinear);
-void writeWithOiio(const std::filesystem::path& to, const std::filesystem::path& shown, const Image& image);
+/// Every other format is the import module's (engine/import). `to` is written as it is; `shown` is the name that messages give.
+using ReadImageEntry = Image(const std::filesystem::path& file, bool srgbToLinear);
+using WriteImageEntry = void(const std::filesystem::path& to, const std::filesystem::path& shown, const Image& image);
 
 }  // namespace hl

@@ -10,6 +10,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/image_formats.h"
+#include "engine/core/import_module.h"
 
 namespace hl {
 
@@ -25,11 +26,21 @@ std::string extensionOf(const fs::path& file) {
 
 }  // namespace
 
+Image rgbOf(const Image& in) {
+  if (in.channels == 3) return in;
+  Image out(in.width, in.height, 3);
+  const size_t stride = static_cast<size_t>(in.channels);
+  for (size_t i = 0; i < in.pixels(); ++i)
+    for (size_t c = 0; c < 3; ++c) out.data[i * 3 + c] = in.data[i * stride + (in.channels >= 3 ? c : 0)];
+  return out;
+}
+
 Image readImage(const fs::path& file, bool srgbToLinear) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) throw badInput(fmt::format("{}: no such image", file.string()));
   if (!fs::is_regular_file(file, ignored)) throw badInput(fmt::format("{}: not an image file", file.string()));
-  return extensionOf(file) == ".pfm" ? readPfm(file) : readWithOiio(file, srgbToLinear);
+  if (extensionOf(file) == ".pfm") return readPfm(file);
+  return importEntry<ReadImageEntry>(ImportEntry::kReadImage, file.string())(file, srgbToLinear);
 }
 
 void writeImage(const fs::path& file, const Image& image) {
@@ -41,9 +52,10 @@ void writeImage(const fs::path& file, const Image& image) {
   if (extension == ".pfm") return writePfm(file, image);
   if (extension != ".exr" && extension != ".png")
     throw badInput(fmt::format("{}: images are written as .exr, .pfm or .png", file.string()));
+  const auto write = importEntry<WriteImageEntry>(ImportEntry::kWriteImage, file.string());
   const fs::path temporary = temporaryBeside(file);
   try {
-    writeWithOiio(temporary, file, image);
+    write(temporary, file, image);
   } catch (...) {
     std::error_code ignored;
     fs::remove(temporary, ignored);

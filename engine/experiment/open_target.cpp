@@ -7,8 +7,10 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/image_io.h"
+#include "engine/experiment/bundle.h"
 #include "engine/experiment/json_reader.h"
 #include "engine/experiment/preset_parameters.h"
+#include "engine/metrics/metrics.h"
 
 namespace hl {
 namespace {
@@ -43,6 +45,7 @@ Preset openTarget(const std::string& nameOrPath) {
   // A folder beside the person may have a scene's name: only a path is taken for a folder.
   if (fs::is_directory(path) && path.has_parent_path())
     throw badInput(fmt::format("{}: this is a folder; a preset, scene, mesh or image is wanted", nameOrPath));
+  if (extension == kBundleExtension) return openBundle(path);
   if (extension == ".png" || extension == ".exr") return presetOfImage(path);
   if (extension == ".json" && fs::exists(path)) {
     // Only a preset names a scene; only a scene has a mesh or shapes.
@@ -70,6 +73,17 @@ void checkParameters(const Preset& preset) {
                       near.empty() ? "`halflight-cli list params` shows all" : fmt::format("did you mean {}?", near)));
     }
     parseParam(*info, text);
+  }
+}
+
+void checkMetrics(const std::vector<std::string>& metrics) {
+  std::vector<std::string> known;
+  for (const MetricInfo& m : metricInfos()) known.emplace_back(m.id);
+  for (const std::string& m : metrics) {
+    if (std::find(known.begin(), known.end(), m) != known.end()) continue;
+    const std::string near = nearest(m, known);
+    throw badInput(fmt::format("unknown metric {}; {}there are {}", m,
+                               near.empty() ? "" : fmt::format("did you mean {}? ", near), fmt::join(known, ", ")));
   }
 }
 

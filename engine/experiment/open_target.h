@@ -1,8 +1,9 @@
 #pragma once
-// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, or an image
-// that carries its preset.
+// What a person may name to open an experiment: a preset (name or file), a scene (name or file), a mesh, a bundle, or an
+// image that carries its preset.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "engine/core/image.h"
 #include "engine/experiment/preset.h"
@@ -20,5 +21,8 @@ Preset openTarget(const std::string& nameOrPath);
 
 /// @throws Error(BadInput) for parameters that the preset's technique does not have, or values out of range.
 void checkParameters(const Preset&);
+
+/// @throws Error(BadInput) naming the nearest known metric.
+void checkMetrics(const std::vector<std::string>&);
 
 }  // namespace hl

@@ -6,10 +6,12 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/experiment/json_reader.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_migration.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
+#include "engine/metrics/metrics.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -172,32 +174,8 @@ class PresetReader {
     }
   }
 
-  static std::string parameterText(const JsonReader& node, const ParamInfo& info) {
-    std::string text;
-    switch (info.type) {
-      case ParamType::Bool:
-        return node.boolean() ? "true" : "false";
-      case ParamType::Float:
-        text = shortestText(node.number());
-        break;
-      case ParamType::Enum:
-        text = node.text();
-        break;
-      case ParamType::Int:
-        if (!node.json().is_number_integer())
-          throw node.refused(fmt::format("a whole number in {} is wanted, not {}", rangeText(info), node.found()));
-        text = node.json().dump();
-        break;
-    }
-    try {
-      return formatParam(info, parseParam(info, text));
-    } catch (const Error& e) {
-      throw node.refused(e.what());
-    }
-  }
-
   void readDisplay(const JsonReader& node) {
-    known(node, {"exposure", "tone_map", "view", "show_invalid"});
+    known(node, {"exposure", "tone_map", "view", "show_invalid", "error_metric"});
     Display& display = preset_.display;
     if (node.has("exposure")) display.exposure = node.at("exposure").number(-kMaxExposure, kMaxExposure);
     if (node.has("tone_map")) {
@@ -209,6 +187,14 @@ class PresetReader {
     }
     if (node.has("view")) display.view = node.at("view").text();
     if (node.has("show_invalid")) display.showInvalid = node.at("show_invalid").boolean();
+    if (node.has("error_metric")) {
+      const JsonReader metric = node.at("error_metric");
+      try {
+        display.errorMetric = metricInfo(metric.text()).id;
+      } catch (const Error& e) {
+        throw metric.refused(e.what());
+      }
+    }
   }
 
   Preset& preset_;

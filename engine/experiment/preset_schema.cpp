@@ -7,6 +7,7 @@
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/params/groups.h"
+#include "engine/metrics/metrics.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -116,7 +117,8 @@ Json integerSchema(int64_t low, int64_t high, int64_t def) {
 
 std::string presetSchema() {
   const Preset defaults;
-  Json parameters = Json::object(), techniques = Json::array();
+  Json parameters = Json::object(), techniques = Json::array(), metrics = Json::array();
+  for (const MetricInfo& metric : metricInfos()) metrics.push_back(metric.id);
   const auto add = [&](std::span<const ParamInfo> infos) {
     for (const ParamInfo& p : infos) parameters[p.key()] = parameterSchema(p);
   };
@@ -152,7 +154,8 @@ std::string presetSchema() {
                                   {"description", "Stops."}}},
                                 {"tone_map", {{"enum", kToneMapNames}, {"default", kToneMapNames[0]}}},
                                 {"view", {{"type", "string"}, {"default", defaults.display.view}}},
-                                {"show_invalid", {{"type", "boolean"}, {"default", false}}}})}};
+                                {"show_invalid", {{"type", "boolean"}, {"default", false}}},
+                                {"error_metric", {{"enum", metrics}, {"default", defaults.display.errorMetric}, {"description", "Whose map the error views show."}}}})}};
   Json schema = objectSchema(std::move(properties), {"version", "scene"});
   Json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Halflight preset"}};
   out.update(schema);

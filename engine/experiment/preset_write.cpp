@@ -9,6 +9,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
@@ -93,21 +94,6 @@ Json regionsJson(const std::vector<Region>& regions) {
   return out;
 }
 
-Json parameterJson(const ParamInfo& info, const std::string& text) {
-  const ParamValue value = parseParam(info, text);
-  switch (info.type) {
-    case ParamType::Bool:
-      return std::get<int32_t>(value) != 0;
-    case ParamType::Int:
-      return std::get<int32_t>(value);
-    case ParamType::Float:
-      return number(std::get<float>(value), "parameter");
-    case ParamType::Enum:
-      return formatParam(info, value);
-  }
-  return nullptr;
-}
-
 Json parametersJson(const Preset& preset, bool resolved) {
   const auto groups = parameterGroups(preset.technique);
   const auto changed = canonicalParameters(preset.technique, preset.parameters);
@@ -147,7 +133,8 @@ Json displayJson(const Display& display) {
   return {{"exposure", number(display.exposure, "display.exposure")},
           {"tone_map", kToneMapNames[static_cast<int>(display.toneMap)]},
           {"view", display.view},
-          {"show_invalid", display.showInvalid}};
+          {"show_invalid", display.showInvalid},
+          {"error_metric", display.errorMetric}};
 }
 
 /// ASCII alone, since the text also travels in image files.
@@ -210,7 +197,9 @@ std::vector<PresetListing> listPresets() {
   std::vector<PresetListing> out;
   const fs::path folder = homeFolder() / "presets";
   if (!fs::is_directory(folder)) return out;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::directory_entry& entry = *at;
+    if (entry.is_directory() && entry.path().filename() == "experiments") at.disable_recursion_pending();  // listExperiments()
     if (entry.path().extension() != ".json") continue;
     PresetListing listing;
     listing.id = fs::relative(entry.path(), folder).replace_extension().generic_string();

@@ -196,8 +196,10 @@ class Runner {
       pass.transfer(c);
       return;
     }
-    const bool raster = pass.kind == Pass::Kind::Raster;
-    const VkPipelineBindPoint point = raster ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
+    const bool raster = pass.kind == Pass::Kind::Raster, rays = pass.kind == Pass::Kind::Rays;
+    const VkPipelineBindPoint point = raster ? VK_PIPELINE_BIND_POINT_GRAPHICS
+                                      : rays ? VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR
+                                             : VK_PIPELINE_BIND_POINT_COMPUTE;
     const Pipeline& pipeline = *pass.pipeline;
     vkCmdBindPipeline(c, point, pipeline.handle);
     vkCmdBindDescriptorSets(c, point, pipeline.layout, 0, static_cast<uint32_t>(pass.sets.size()), pass.sets.data(), 0,
@@ -208,6 +210,11 @@ class Runner {
     }
     if (raster) {
       draw(pass);
+      return;
+    }
+    if (rays) {
+      const VkStridedDeviceAddressRegionKHR callable{};
+      vkCmdTraceRaysKHR(c, &pipeline.generation, &pipeline.miss, &pipeline.hit, &callable, pass.size[0], pass.size[1], pass.size[2]);
       return;
     }
     const uint32_t limit = device_.survey.properties.limits.maxComputeWorkGroupCount[0];

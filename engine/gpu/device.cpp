@@ -85,9 +85,18 @@ Device::Impl::Impl(const DeviceOptions& options) {
     extensions.push_back(VK_EXT_SHADER_ATOMIC_FLOAT_EXTENSION_NAME);
     v13.pNext = &atomics;
   }
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR rays{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  rays.rayTracingPipeline = VK_TRUE;
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  structures.accelerationStructure = VK_TRUE;
+  if (survey.rayPipelines) {
+    extensions.insert(extensions.end(), std::begin(kRayExtensions), std::end(kRayExtensions));
+    rays.pNext = &structures, structures.pNext = v13.pNext, v13.pNext = &rays;
+  }
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   v12.pNext = &v13;
   v12.scalarBlockLayout = VK_TRUE;
+  v12.bufferDeviceAddress = survey.rayPipelines ? VK_TRUE : VK_FALSE;
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &v12;
   features.features.vertexPipelineStoresAndAtomics = features.features.fragmentStoresAndAtomics = VK_TRUE;
@@ -104,7 +113,7 @@ Device::Impl::Impl(const DeviceOptions& options) {
   const bool shared =
       !options.staging && (cpu || survey.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU);
   hostVisible = shared;
-  memory = std::make_unique<DeviceMemory>(survey.handle, device, shared);
+  memory = std::make_unique<DeviceMemory>(survey.handle, device, shared, survey.rayPipelines);
 
   if (instance->debugLabels()) {
     const auto get = [&](const char* f) { return vkGetInstanceProcAddr(instance->handle(), f); };
@@ -186,6 +195,7 @@ Device::~Device() = default;
 const DeviceInfo& Device::info() const { return impl_->survey.info; }
 bool Device::isCpu() const { return impl_->cpu; }
 bool Device::timestampsSupported() const { return impl_->survey.timestampBits > 0; }
+bool Device::rayPipelines() const { return impl_->survey.rayPipelines; }
 uint64_t Device::maxStorageBufferBytes() const { return impl_->survey.properties.limits.maxStorageBufferRange; }
 uint32_t Device::maxTexelBufferElements() const { return impl_->survey.properties.limits.maxTexelBufferElements; }
 uint64_t Device::validationMessages() const { return impl_->instance->log().count(); }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/gpu/acceleration.h"
 #include "engine/gpu/resources.h"
 
 namespace hl {
@@ -37,12 +38,15 @@ class Device {
   const DeviceInfo& info() const;
   bool isCpu() const;
   bool timestampsSupported() const;
+  bool rayPipelines() const;  ///< acceleration structures and FrameGraph::rays work
   uint64_t maxStorageBufferBytes() const;
   uint32_t maxTexelBufferElements() const;
 
   /// Contents are undefined. @throws Error(TooLarge) when memory is exhausted, naming the buffer and its size.
   Buffer buffer(const std::string& name, uint64_t bytes, TexelFormat = TexelFormat::None);
   GpuImage image(const std::string& name, const ImageDesc&);
+  /// Built at once, for fast tracing. @throws Error(Device) where the device has no ray tracing pipelines
+  AccelerationStructure accelerationStructure(const std::string& name, std::span<const TriangleGeometry>);
 
   /// Blocking copies, outside any frame graph.
   void upload(const Buffer&, const void* data, uint64_t bytes, uint64_t offset = 0);

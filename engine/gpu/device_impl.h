@@ -30,6 +30,7 @@ struct Device::Impl : std::enable_shared_from_this<Device::Impl> {
 
   Buffer makeBuffer(const std::string& name, uint64_t bytes, TexelFormat, MemoryUse);
   GpuImage makeImage(const std::string& name, const ImageDesc&);
+  VkDeviceAddress address(const Buffer&) const;  ///< where survey.rayPipelines
   void name(VkObjectType, uint64_t handle, const std::string&) const;
   /// Submits and waits. @throws Error(Device) when the device is lost.
   void submit(VkCommandBuffer);

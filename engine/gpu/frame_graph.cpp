@@ -133,6 +133,40 @@ void RasterPass::draw(uint32_t vertices, uint32_t instances) {
   graph_->impl_->finish(pass);
 }
 
+RayPass& RayPass::bind(const char* name, const Buffer& b, Access access) {
+  graph_->impl_->at(index_).bindings.push_back(bound(name, b, access));
+  return *this;
+}
+RayPass& RayPass::bind(const char* name, const AccelerationStructure& a) {
+  BoundResource r;
+  r.name = name, r.acceleration = a;
+  graph_->impl_->at(index_).bindings.push_back(std::move(r));
+  return *this;
+}
+RayPass& RayPass::sample(const char* name, const GpuImage& i) {
+  graph_->impl_->at(index_).bindings.push_back(bound(name, i, Access::Read, true));
+  return *this;
+}
+RayPass& RayPass::pushBytes(const void* data, size_t size) {
+  setPush(graph_->impl_->at(index_), data, size);
+  return *this;
+}
+RayPass& RayPass::specialize(const char* name, uint32_t value) {
+  graph_->impl_->at(index_).constants[name] = value;
+  return *this;
+}
+void RayPass::launch(uint32_t width, uint32_t height) {
+  Pass& pass = graph_->impl_->at(index_);
+  const uint32_t most = graph_->impl_->device->survey.rayProperties.maxRayDispatchInvocationCount;
+  if (uint64_t{width} * height > most) {
+    const Error e(ErrorKind::TooLarge, fmt::format("pass \"{}\": {} x {} rays; the device launches {} at once", pass.name, width, height, most));
+    graph_->impl_->drop();
+    throw e;
+  }
+  pass.size[0] = width, pass.size[1] = height;
+  graph_->impl_->finish(pass);
+}
+
 HostPass& HostPass::read(const Buffer& b) {
   declare(graph_->impl_->at(index_), b, Access::Read);
   return *this;
@@ -202,6 +236,18 @@ RasterPass FrameGraph::raster(const std::string& name, const std::string& vertex
   added.shaders = {std::move(vertex), std::move(fragment)};
   added.targets = targets;
   RasterPass pass;
+  pass.graph_ = this, pass.index_ = impl_->passes.size() - 1;
+  return pass;
+}
+
+RayPass FrameGraph::rays(const std::string& name, const RayShaders& shaders) {
+  if (!impl_->device->survey.rayPipelines)
+    throw Error(ErrorKind::Device, fmt::format("pass \"{}\": {} has no ray tracing pipelines", name, impl_->device->survey.info.name));
+  std::vector<std::shared_ptr<const Shader>> found;
+  for (const std::string& shader : {shaders.generation, shaders.miss, shaders.closestHit, shaders.anyHit})
+    if (!shader.empty()) found.push_back(impl_->shaders.impl().find(shader));
+  impl_->add(Pass::Kind::Rays, name).shaders = std::move(found);
+  RayPass pass;
   pass.graph_ = this, pass.index_ = impl_->passes.size() - 1;
   return pass;
 }

@@ -110,6 +110,33 @@ class HostPass {
   size_t index_ = 0;
 };
 
+/// Names of the shaders of a ray tracing pipeline.
+struct RayShaders {
+  std::string generation, miss;
+  std::string closestHit, anyHit;  ///< or ""
+};
+
+class RayPass {
+ public:
+  RayPass& bind(const char* name, const Buffer&, Access);
+  RayPass& bind(const char* name, const AccelerationStructure&);
+  RayPass& sample(const char* name, const GpuImage&);
+  template <class T>
+  RayPass& push(const T& constants) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 128);
+    return pushBytes(&constants, sizeof constants);
+  }
+  RayPass& specialize(const char* name, uint32_t value);
+  /// Runs the ray generation shader so many times. @throws Error(TooLarge) beyond what the device launches at once
+  void launch(uint32_t width, uint32_t height = 1);
+
+ private:
+  friend class FrameGraph;
+  RayPass& pushBytes(const void* data, size_t size);
+  FrameGraph* graph_ = nullptr;
+  size_t index_ = 0;
+};
+
 /// A barrier as the graph derived it; for the unit tests on its record.
 struct BarrierRecord {
   std::string pass, resource, hazard;  ///< hazard: "RAW", "WAR", "WAW", "layout"
@@ -123,6 +150,8 @@ class FrameGraph {
   ComputePass compute(const std::string& name, const std::string& shader);
   RasterPass raster(const std::string& name, const std::string& vertexShader, const std::string& fragmentShader,
                     const RasterTargets&);
+  /// @throws Error(Device) where the device has no ray tracing pipelines (Device::rayPipelines).
+  RayPass rays(const std::string& name, const RayShaders&);
   HostPass host(const std::string& name);
   void clear(const std::string& name, const Buffer&, uint32_t value = 0);
   void clear(const std::string& name, const GpuImage&);
@@ -157,6 +186,7 @@ class FrameGraph {
  private:
   friend class ComputePass;
   friend class RasterPass;
+  friend class RayPass;
   friend class HostPass;
   std::unique_ptr<Impl> impl_;
 };

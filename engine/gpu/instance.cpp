@@ -212,8 +212,24 @@ DeviceSurvey survey(VkPhysicalDevice physical) {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &v12;
   v12.pNext = &v13;
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR rays{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  const bool rayExtensions =
+      std::all_of(std::begin(kRayExtensions), std::end(kRayExtensions), [&](const char* name) { return has(name); });
   if (has(VK_EXT_SHADER_ATOMIC_FLOAT_EXTENSION_NAME)) v13.pNext = &atomics;
+  if (rayExtensions) rays.pNext = &structures, structures.pNext = v13.pNext, v13.pNext = &rays;
   vkGetPhysicalDeviceFeatures2(physical, &features);
+  s.rayPipelines = rays.rayTracingPipeline == VK_TRUE && structures.accelerationStructure == VK_TRUE && v12.bufferDeviceAddress == VK_TRUE;
+  if (s.rayPipelines) {
+    VkPhysicalDeviceAccelerationStructurePropertiesKHR structure{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+    s.rayProperties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
+    s.rayProperties.pNext = &structure;
+    VkPhysicalDeviceProperties2 more{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    more.pNext = &s.rayProperties;
+    vkGetPhysicalDeviceProperties2(physical, &more);
+    s.rayProperties.pNext = nullptr;
+    s.scratchAlignment = structure.minAccelerationStructureScratchOffsetAlignment;
+  }
   s.floatAtomics = atomics.shaderBufferFloat32AtomicAdd == VK_TRUE;
   s.storesInGraphics = features.features.vertexPipelineStoresAndAtomics == VK_TRUE &&
                        features.features.fragmentStoresAndAtomics == VK_TRUE;
@@ -246,7 +262,7 @@ DeviceSurvey survey(VkPhysicalDevice physical) {
   }
   s.info.features.emplace_back("timestamps", s.timestampBits > 0);
   s.info.features.emplace_back("float atomics", s.floatAtomics);
-  s.info.features.emplace_back("ray tracing pipelines", has(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME));
+  s.info.features.emplace_back("ray tracing pipelines", s.rayPipelines);
   s.info.features.emplace_back("ray queries", has(VK_KHR_RAY_QUERY_EXTENSION_NAME));
   return s;
 }

@@ -52,8 +52,15 @@ struct DeviceSurvey {
   DeviceInfo info;
   uint32_t queueFamily = 0, timestampBits = 0;
   uint64_t maxBufferSize = 0;
+  /// Ray tracing pipelines with their acceleration structures and device addresses, all of them or none.
+  bool rayPipelines = false;
+  VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayProperties{};
+  uint32_t scratchAlignment = 1;
   bool floatAtomics = false, storesInGraphics = false, extendedStorageFormats = false;
 };
 DeviceSurvey survey(VkPhysicalDevice);
+/// What DeviceSurvey::rayPipelines asks for, and a device is then made with.
+inline constexpr const char* kRayExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+                                                 VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
 
 }  // namespace hl

@@ -6,8 +6,8 @@
 
 namespace hl {
 
-DeviceMemory::DeviceMemory(VkPhysicalDevice physical, VkDevice device, bool hostVisible)
-    : device_(device), hostVisible_(hostVisible) {
+DeviceMemory::DeviceMemory(VkPhysicalDevice physical, VkDevice device, bool hostVisible, bool addresses)
+    : device_(device), hostVisible_(hostVisible), addresses_(addresses) {
   vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
   VkPhysicalDeviceVulkan11Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
   VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits, {}};
@@ -65,7 +65,9 @@ MemoryBlock* DeviceMemory::newBlock(uint32_t type, uint64_t bytes, bool tiled, b
   if (bytes > largestAllocation_ || heapUsed_[heap] + bytes > heapSize) return nullptr;
 
   auto block = std::make_unique<MemoryBlock>();
-  const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, bytes, type};
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, addresses_ ? &flags : nullptr, bytes, type};
   if (vkAllocateMemory(device_, &info, nullptr, &block->memory) != VK_SUCCESS) return nullptr;
   if ((properties_.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0) {
     void* mapped = nullptr;
@@ -107,6 +109,8 @@ Allocation DeviceMemory::allocate(const VkMemoryRequirements& need, MemoryUse us
     bytes_ += need.size;
     return {block, *offset, need.size};
   }
+  if (need.size > largestAllocation_)
+    throw Error(ErrorKind::TooLarge, fmt::format("{}: {} bytes are more than this device gives in one piece ({})", what, need.size, largestAllocation_));
   throw Error(ErrorKind::TooLarge,
               fmt::format("{}: no device memory left for {:.1f} MiB ({:.1f} MiB are in use)", what,
                           static_cast<double>(need.size) / 1048576.0, static_cast<double>(bytes_) / 1048576.0));

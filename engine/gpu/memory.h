@@ -38,7 +38,8 @@ class DeviceMemory {
   static constexpr uint64_t kBlockBytes = 64ull << 20;  ///< larger resources get a block of their own
 
   /// `hostVisible`: device resources go to mapped memory; false asks for staging wherever the device allows.
-  DeviceMemory(VkPhysicalDevice, VkDevice, bool hostVisible);
+  /// `addresses`: buffers may be asked for their device address.
+  DeviceMemory(VkPhysicalDevice, VkDevice, bool hostVisible, bool addresses);
   ~DeviceMemory();
   DeviceMemory(const DeviceMemory&) = delete;
   DeviceMemory& operator=(const DeviceMemory&) = delete;
@@ -54,7 +55,7 @@ class DeviceMemory {
   MemoryBlock* newBlock(uint32_t type, uint64_t bytes, bool tiled, bool dedicated);
 
   VkDevice device_;
-  bool hostVisible_;
+  bool hostVisible_, addresses_;
   VkPhysicalDeviceMemoryProperties properties_{};
   uint64_t largestAllocation_ = 0;
   mutable std::mutex mutex_;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/gpu/acceleration_impl.h"
+
 namespace hl {
 namespace {
 
@@ -17,6 +19,11 @@ VkPipelineStageFlags2 stageFlags(VkShaderStageFlagBits stage) {
       return VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT;
     case VK_SHADER_STAGE_FRAGMENT_BIT:
       return VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+    case VK_SHADER_STAGE_RAYGEN_BIT_KHR:
+    case VK_SHADER_STAGE_MISS_BIT_KHR:
+    case VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR:
+    case VK_SHADER_STAGE_ANY_HIT_BIT_KHR:
+      return VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
     default:
       return VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
   }
@@ -127,6 +134,7 @@ struct Resolver {
     std::vector<VkWriteDescriptorSet> writes;
     std::vector<VkDescriptorBufferInfo> bufferInfos(all.size());
     std::vector<VkDescriptorImageInfo> imageInfos(all.size());
+    std::vector<VkWriteDescriptorSetAccelerationStructureKHR> structures(all.size());
     for (size_t i = 0; i < all.size(); ++i) {
       const ShaderBinding& b = all[i];
       if (!b.used) {
@@ -137,14 +145,21 @@ struct Resolver {
         continue;
       }
       const BoundResource& r = find(shader, b);
-      if (!r.buffer && !r.image) throw fail(shader, r.name, "an empty resource is bound to it");
+      if (!r.buffer && !r.image && !r.acceleration) throw fail(shader, r.name, "an empty resource is bound to it");
       VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
       write.dstSet = set;
       write.dstBinding = b.index;
       write.descriptorCount = 1;
       write.descriptorType = descriptorType(b.kind);
       bool fits = false;
-      if (r.image) {
+      if (r.acceleration) {
+        // Built before any graph could bind it, and never changed: nothing to wait for.
+        fits = b.kind == BindingKind::AccelerationStructure;
+        structures[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
+        structures[i].accelerationStructureCount = 1;
+        structures[i].pAccelerationStructures = &r.acceleration.state()->top.handle;
+        write.pNext = &structures[i];
+      } else if (r.image) {
         fits = image(shader, b, r, imageInfos[i]);
         write.pImageInfo = &imageInfos[i];
       } else if (b.kind == BindingKind::TexelBuffer && r.uniformBytes == 0) {
@@ -163,7 +178,7 @@ struct Resolver {
       if (!fits) {
         throw fail(shader, r.name,
                    fmt::format("is {}, and {} is bound to it", kindName(b.kind),
-                               r.image ? r.sampled ? "a sampled image" : "an image for storing" : "a buffer"));
+                               r.acceleration ? "an acceleration structure" : r.image ? r.sampled ? "a sampled image" : "an image for storing" : "a buffer"));
       }
       writes.push_back(write);
     }
@@ -250,10 +265,8 @@ void resolve(Pass& pass, PipelineCache& pipelines, BatchArena& arena, Device::Im
   pass.pipeline = pipelines.get(request, pass.name, &created);
   if (created) pass.creationMs = pass.pipeline->creationMs;
 
-  for (size_t i = 0; i < pass.shaders.size(); ++i) {
-    pass.sets.push_back(arena.set(pass.pipeline->sets[i]));
-    resolver.stage(*pass.shaders[i], pass.sets.back());
-  }
+  for (VkDescriptorSetLayout layout : pass.pipeline->sets) pass.sets.push_back(arena.set(layout));
+  for (const auto& shader : pass.shaders) resolver.stage(*shader, pass.sets[shader->reflection.set]);
   resolver.checkLeftOver();
   if (pass.kind != Pass::Kind::Raster) return;
   for (const GpuImage& target : pass.targets.color) {
@@ -298,15 +311,16 @@ VkDescriptorSet BatchArena::set(VkDescriptorSetLayout layout) {
     info.descriptorPool = pools_[currentPool_];
     if (vkAllocateDescriptorSets(device_->device, &info, &set) == VK_SUCCESS) return set;
   }
-  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * 12},
+  std::vector<VkDescriptorPoolSize> sizes = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsPerPool * 12},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kSetsPerPool * 4},
                                         {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kSetsPerPool * 8},
                                         {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsPerPool * 8},
                                         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kSetsPerPool * 4}};
+  if (device_->survey.rayPipelines) sizes.push_back({VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, kSetsPerPool});
   VkDescriptorPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   poolInfo.maxSets = kSetsPerPool;
-  poolInfo.poolSizeCount = static_cast<uint32_t>(std::size(sizes));
-  poolInfo.pPoolSizes = sizes;
+  poolInfo.poolSizeCount = static_cast<uint32_t>(sizes.size());
+  poolInfo.pPoolSizes = sizes.data();
   VkDescriptorPool pool = VK_NULL_HANDLE;
   check(vkCreateDescriptorPool(device_->device, &poolInfo, nullptr, &pool), "creating a descriptor pool");
   pools_.push_back(pool);

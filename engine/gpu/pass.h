@@ -15,7 +15,8 @@ namespace hl {
 struct BoundResource {
   std::string name;
   Buffer buffer;  ///< or
-  GpuImage image;
+  GpuImage image;                          ///< or
+  AccelerationStructure acceleration;
   Access access = Access::Read;
   bool sampled = false;
   uint64_t uniformBytes = 0, uniformOffset = 0;  ///< a uniform block copied into `buffer`
@@ -28,7 +29,7 @@ struct Use {
 };
 
 struct Pass {
-  enum class Kind { Compute, Raster, Host, Transfer, Skipped };
+  enum class Kind { Compute, Raster, Rays, Host, Transfer, Skipped };
   Kind kind = Kind::Compute;
   std::string name;
   bool complete = false;  ///< dispatched, drawn, or given what to run
@@ -38,7 +39,7 @@ struct Pass {
   std::vector<BoundResource> bindings;
   std::map<std::string, uint32_t> constants;
   std::vector<std::byte> push;
-  uint32_t size[3] = {1, 1, 1};  ///< groups; or vertices and instances
+  uint32_t size[3] = {1, 1, 1};  ///< groups; or vertices and instances; or rays
   RasterTargets targets;
   std::function<void(HostAccess&)> run;
   std::function<void(VkCommandBuffer)> transfer;

@@ -55,6 +55,8 @@ VkDescriptorType descriptorType(BindingKind kind) {
       return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     case BindingKind::TexelBuffer:
       return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    case BindingKind::AccelerationStructure:
+      return VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
   }
   return VK_DESCRIPTOR_TYPE_MAX_ENUM;
 }
@@ -96,6 +98,75 @@ std::shared_ptr<Pipeline> PipelineCache::get(const PipelineRequest& request, con
   return pipeline;
 }
 
+/// One ray generation shader, one miss shader, one hit group for triangles.
+void PipelineCache::makeRayPipeline(Pipeline& pipeline, const PipelineRequest& request, const std::string& pass) {
+  const std::vector<Specialization> constants = [&] {
+    std::vector<Specialization> all;
+    all.reserve(request.shaders.size());  // stageInfo keeps pointers into them
+    for (const auto& shader : request.shaders) all.emplace_back(*shader, request.constants);
+    return all;
+  }();
+  std::vector<VkPipelineShaderStageCreateInfo> stages;
+  VkRayTracingShaderGroupCreateInfoKHR none{VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR};
+  none.type = VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR;
+  none.generalShader = none.closestHitShader = none.anyHitShader = none.intersectionShader = VK_SHADER_UNUSED_KHR;
+  VkRayTracingShaderGroupCreateInfoKHR groups[3] = {none, none, none};  // generation, miss, hit
+  groups[2].type = VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR;
+  for (size_t i = 0; i < request.shaders.size(); ++i) {
+    stages.push_back(stageInfo(*request.shaders[i], constants[i]));
+    const auto index = static_cast<uint32_t>(i);
+    switch (request.shaders[i]->stage) {
+      case VK_SHADER_STAGE_RAYGEN_BIT_KHR:
+        groups[0].generalShader = index;
+        break;
+      case VK_SHADER_STAGE_MISS_BIT_KHR:
+        groups[1].generalShader = index;
+        break;
+      case VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR:
+        groups[2].closestHitShader = index;
+        break;
+      default:
+        groups[2].anyHitShader = index;
+    }
+  }
+  VkRayTracingPipelineCreateInfoKHR info{VK_STRUCTURE_TYPE_RAY_TRACING_PIPELINE_CREATE_INFO_KHR};
+  info.stageCount = static_cast<uint32_t>(stages.size());
+  info.pStages = stages.data();
+  info.groupCount = static_cast<uint32_t>(std::size(groups));
+  info.pGroups = groups;
+  info.maxPipelineRayRecursionDepth = 1;
+  info.layout = pipeline.layout;
+  check(vkCreateRayTracingPipelinesKHR(device_->device, VK_NULL_HANDLE, cache_, 1, &info, nullptr, &pipeline.handle), pass);
+
+  const auto& properties = device_->survey.rayProperties;
+  const uint32_t handle = properties.shaderGroupHandleSize;
+  const auto aligned = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
+  const uint64_t record = aligned(handle, properties.shaderGroupBaseAlignment);
+  std::vector<char> handles(std::size(groups) * handle);
+  check(vkGetRayTracingShaderGroupHandlesKHR(device_->device, pipeline.handle, 0, info.groupCount, handles.size(), handles.data()), pass);
+  const uint64_t bytes = (std::size(groups) + 1) * record;  // one more, so that the first can be aligned
+  pipeline.table = device_->makeBuffer(pass + ": shader binding table", bytes, TexelFormat::None, MemoryUse::Device);
+  const uint64_t address = device_->address(pipeline.table), first = aligned(address, properties.shaderGroupBaseAlignment);
+  const Buffer staging = device_->makeBuffer("shader binding table staging", bytes, TexelFormat::None, MemoryUse::Upload);
+  for (size_t i = 0; i < std::size(groups); ++i)
+    std::copy_n(handles.data() + i * handle, handle, static_cast<char*>(staging.state()->mapped) + (first - address) + i * record);
+  device_->once([&](VkCommandBuffer commands) {
+    const VkBufferCopy region{0, 0, bytes};
+    vkCmdCopyBuffer(commands, staging.state()->handle, pipeline.table.state()->handle, 1, &region);
+    VkMemoryBarrier2 written{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    written.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT, written.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    written.dstStageMask = VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR;
+    written.dstAccessMask = VK_ACCESS_2_SHADER_BINDING_TABLE_READ_BIT_KHR;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.memoryBarrierCount = 1;
+    dependency.pMemoryBarriers = &written;
+    vkCmdPipelineBarrier2(commands, &dependency);
+  });
+  pipeline.generation = {first, record, record};
+  pipeline.miss = {first + record, record, record};
+  pipeline.hit = {first + 2 * record, record, record};
+}
+
 std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, const std::string& pass) {
   auto pipeline = std::make_shared<Pipeline>();
   VkDevice device = device_->device;
@@ -111,9 +182,12 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
     VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     info.bindingCount = static_cast<uint32_t>(bindings.size());
     info.pBindings = bindings.data();
-    VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device, &info, nullptr, &layout), pass);
-    pipeline->sets.push_back(layout);
+    // A stage that is left out leaves an empty set behind.
+    for (VkDescriptorSetLayoutCreateInfo none{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO}; pipeline->sets.size() <= shader->reflection.set;) {
+      pipeline->sets.push_back(VK_NULL_HANDLE);
+      const bool own = pipeline->sets.size() == shader->reflection.set + 1;
+      check(vkCreateDescriptorSetLayout(device, own ? &info : &none, nullptr, &pipeline->sets.back()), pass);
+    }
     if (shader->reflection.pushBytes > 0) {
       pipeline->pushStages |= static_cast<VkShaderStageFlags>(shader->stage);
       const auto bytes = static_cast<uint32_t>((shader->reflection.pushBytes + 3) / 4 * 4);
@@ -129,7 +203,9 @@ std::shared_ptr<Pipeline> PipelineCache::make(const PipelineRequest& request, co
   check(vkCreatePipelineLayout(device, &layoutInfo, nullptr, &pipeline->layout), pass);
 
   const Specialization first(*request.shaders[0], request.constants);
-  if (request.shaders.size() == 1) {
+  if (request.shaders[0]->stage == VK_SHADER_STAGE_RAYGEN_BIT_KHR) {
+    makeRayPipeline(*pipeline, request, pass);
+  } else if (request.shaders.size() == 1) {
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.flags = request.dispatchBase ? static_cast<VkPipelineCreateFlags>(VK_PIPELINE_CREATE_DISPATCH_BASE_BIT) : 0u;
     info.stage = stageInfo(*request.shaders[0], first);

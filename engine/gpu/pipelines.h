@@ -12,13 +12,17 @@ namespace hl {
 
 struct Pipeline {
   std::shared_ptr<Device::Impl> device;
-  std::vector<std::shared_ptr<const Shader>> shaders;  ///< compute; or vertex, fragment: shader i has descriptor set i
+  std::vector<std::shared_ptr<const Shader>> shaders;  ///< compute; or vertex, fragment; or ray generation, miss,
+                                                       ///< closest hit, any hit
   VkPipeline handle = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   std::vector<VkDescriptorSetLayout> sets;
   VkShaderStageFlags pushStages = 0;
   uint32_t pushBytes = 0;
   double creationMs = 0;
+  // Of ray tracing pipelines: the shader binding table, and where in it each kind's records are.
+  Buffer table;
+  VkStridedDeviceAddressRegionKHR generation{}, miss{}, hit{};
   ~Pipeline();
 };
 
@@ -43,6 +47,7 @@ class PipelineCache {
   std::shared_ptr<Pipeline> get(const PipelineRequest&, const std::string& pass, bool* created);
 
  private:
+  void makeRayPipeline(Pipeline&, const PipelineRequest&, const std::string& pass);
   std::shared_ptr<Pipeline> make(const PipelineRequest&, const std::string& pass);
 
   std::shared_ptr<Device::Impl> device_;

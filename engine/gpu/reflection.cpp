@@ -86,7 +86,7 @@ struct Reflector {
         throw badInput(
             fmt::format("shader {}, binding \"{}\": arrays of bindings are not supported", shader, b.names.front()));
       }
-      if (!block) {
+      if (!block && kind != BindingKind::AccelerationStructure) {
         b.arrayed = spvc_type_get_image_arrayed(handle) == SPVC_TRUE;
         const SpvDim dim = spvc_type_get_image_dimension(handle);
         if (dim == SpvDimBuffer && kind != BindingKind::StorageImage) {
@@ -118,6 +118,7 @@ struct Reflector {
     add(all, active, SPVC_RESOURCE_TYPE_STORAGE_IMAGE, BindingKind::StorageImage);
     add(all, active, SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, BindingKind::SampledImage);
     add(all, active, SPVC_RESOURCE_TYPE_SEPARATE_IMAGE, BindingKind::SampledImage);
+    add(all, active, SPVC_RESOURCE_TYPE_ACCELERATION_STRUCTURE, BindingKind::AccelerationStructure);
 
     const spvc_reflected_resource* push = nullptr;
     size_t count = 0;
@@ -166,6 +167,8 @@ const char* kindName(BindingKind kind) {
       return "a sampled image";
     case BindingKind::TexelBuffer:
       return "a texel buffer";
+    case BindingKind::AccelerationStructure:
+      return "an acceleration structure";
   }
   return "";
 }
@@ -186,6 +189,7 @@ ShaderReflection reflectAndRenumber(const std::string& shader, std::vector<uint3
     throw badInput(fmt::format("shader {}: not valid SPIR-V: {}", shader, spvc_context_get_last_error_string(raw)));
   }
   reflector.run();
+  reflector.result.set = set;
   return std::move(reflector.result);
 }
 

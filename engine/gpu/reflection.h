@@ -10,7 +10,7 @@
 
 namespace hl {
 
-enum class BindingKind { StorageBuffer, UniformBlock, StorageImage, SampledImage, TexelBuffer };
+enum class BindingKind { StorageBuffer, UniformBlock, StorageImage, SampledImage, TexelBuffer, AccelerationStructure };
 const char* kindName(BindingKind);
 
 struct ShaderBinding {
@@ -24,6 +24,7 @@ struct ShaderBinding {
 };
 
 struct ShaderReflection {
+  uint32_t set = 0;  ///< the descriptor set of its bindings
   std::vector<ShaderBinding> bindings;
   std::map<std::string, uint32_t> constants;  ///< specialisation constants: name to id
   std::map<std::string, std::vector<BlockMember>> blocks;

@@ -40,6 +40,9 @@ Buffer Device::Impl::makeBuffer(const std::string& name, uint64_t bytes, TexelFo
                VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (texels != TexelFormat::None) info.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+  if (survey.rayPipelines)
+    info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |
+                  VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR;
   const std::string what = fmt::format("buffer \"{}\" of {} bytes", name, bytes);
   check(vkCreateBuffer(device, &info, nullptr, &state->handle), what);
   this->name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(state->handle), name);

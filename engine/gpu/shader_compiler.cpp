@@ -58,6 +58,10 @@ EShLanguage stageOf(const fs::path& source) {
   const std::string extension = source.extension().string();
   if (extension == ".vert") return EShLangVertex;
   if (extension == ".frag") return EShLangFragment;
+  if (extension == ".rgen") return EShLangRayGen;
+  if (extension == ".rmiss") return EShLangMiss;
+  if (extension == ".rchit") return EShLangClosestHit;
+  if (extension == ".rahit") return EShLangAnyHit;
   return EShLangCompute;
 }
 

@@ -35,6 +35,21 @@ std::vector<std::string> compiledNames() {
   return names;
 }
 
+/// The stages of one pipeline number their bindings apart, each in a set of its own.
+struct StageOfName {
+  VkShaderStageFlagBits stage;
+  uint32_t set;
+};
+StageOfName stageOf(const std::string& name) {
+  if (name.ends_with(".vert")) return {VK_SHADER_STAGE_VERTEX_BIT, 0};
+  if (name.ends_with(".frag")) return {VK_SHADER_STAGE_FRAGMENT_BIT, 1};
+  if (name.ends_with(".rgen")) return {VK_SHADER_STAGE_RAYGEN_BIT_KHR, 0};
+  if (name.ends_with(".rmiss")) return {VK_SHADER_STAGE_MISS_BIT_KHR, 1};
+  if (name.ends_with(".rchit")) return {VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, 2};
+  if (name.ends_with(".rahit")) return {VK_SHADER_STAGE_ANY_HIT_BIT_KHR, 3};
+  return {VK_SHADER_STAGE_COMPUTE_BIT, 0};
+}
+
 std::vector<uint32_t> loadWords(const std::string& name) {
   const fs::path file = shaderFolder() / (name + ".spv");
   std::error_code ignored;
@@ -62,10 +77,9 @@ std::shared_ptr<const Shader> ShaderLibrary::Impl::make(const std::string& name,
   shader->device = device;
   shader->name = name;
   shader->version = ++versions;
-  if (name.ends_with(".vert")) shader->stage = VK_SHADER_STAGE_VERTEX_BIT;
-  if (name.ends_with(".frag")) shader->stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-  // Vertex and fragment shaders number their bindings apart, each in a set of its own.
-  shader->reflection = reflectAndRenumber(name, words, shader->stage == VK_SHADER_STAGE_FRAGMENT_BIT ? 1 : 0);
+  const StageOfName stage = stageOf(name);
+  shader->stage = stage.stage;
+  shader->reflection = reflectAndRenumber(name, words, stage.set);
   VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   info.codeSize = words.size() * 4;
   info.pCode = words.data();

@@ -3,7 +3,7 @@
 namespace hl {
 
 const MetricDefinition kBias{
-    .info = {"bias", "Bias", "mean (v-r) / mean r, signed; mean r over pixels and channels", false},
+    .info = {.id = "bias", .label = "Bias", .formula = "mean (v-r) / mean r, signed; mean r over pixels and channels", .mapSigned = true},
     .term = [](const ChannelSample& c, const ReferenceStatistics& s) { return ratio(c.v - c.r, s.mean); },
 };
 

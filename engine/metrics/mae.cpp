@@ -5,7 +5,7 @@
 namespace hl {
 
 const MetricDefinition kMae{
-    .info = {"mae", "MAE", "mean |v-r|", false},
+    .info = {.id = "mae", .label = "MAE", .formula = "mean |v-r|"},
     .term = [](const ChannelSample& c, const ReferenceStatistics&) { return std::fabs(c.v - c.r); },
 };
 

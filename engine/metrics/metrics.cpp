@@ -10,6 +10,7 @@
 #include "engine/core/error.h"
 #include "engine/metrics/block_mean.h"
 #include "engine/metrics/definition.h"
+#include "engine/metrics/denominator.h"
 
 namespace hl {
 
@@ -17,7 +18,9 @@ namespace {
 
 constexpr double kRelativeEpsilon = 0.01;
 
-constexpr std::array kDefinitions{&kMse, &kRmse, &kMae, &kRelmse, &kSmape, &kBias, &kPsnr};
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+
+constexpr std::array kDefinitions{&kMse, &kRmse, &kMae, &kRelmse, &kSmape, &kBias, &kPsnr, &kSsim, &kFlip, &kFlipHdr, &kLStarMse, &kDfpr};
 
 const MetricDefinition& definitionOf(std::string_view id) {
   std::vector<std::string> known;
@@ -63,21 +66,26 @@ std::vector<double> weightsOf(const Image& value, const MeasureOptions& options)
 struct Images {
   const Image &value, &mean, &halfA, &halfB;
   int channels;
+  const CalmedReference* calmed = nullptr;  ///< below the line; null: the mean
 
-  ChannelSample at(size_t pixel, int channel) const {
-    const auto read = [&](const Image& image) {
-      return static_cast<double>(
-          image.data[pixel * static_cast<size_t>(image.channels) + static_cast<size_t>(channel)]);
+  PixelSample at(size_t pixel) const {
+    PixelSample s{};
+    s.channels = channels;
+    const auto read = [&](const Image& image, double (&to)[3]) {
+      const float* from = image.data.data() + pixel * static_cast<size_t>(image.channels);
+      for (int c = 0; c < channels; ++c) to[c] = static_cast<double>(from[c]);
     };
-    return {read(value), read(mean), read(halfA), read(halfB)};
+    read(value, s.v), read(mean, s.r), read(halfA, s.a), read(halfB, s.b);
+    if (calmed) read(calmed->guess, s.guess), read(calmed->variance, s.variance), read(calmed->own, s.own), read(calmed->noise, s.guessDraw);
+    if (!calmed)
+      for (int c = 0; c < channels; ++c) s.own[c] = 1;
+    return s;
   }
 
   bool finite(size_t pixel) const {
-    for (int c = 0; c < channels; ++c) {
-      const ChannelSample sample = at(pixel, c);
-      if (!std::isfinite(sample.v) || !std::isfinite(sample.r) || !std::isfinite(sample.a) || !std::isfinite(sample.b))
-        return false;
-    }
+    const PixelSample s = at(pixel);
+    for (int c = 0; c < channels; ++c)
+      if (!std::isfinite(s.v[c]) || !std::isfinite(s.r[c]) || !std::isfinite(s.a[c]) || !std::isfinite(s.b[c])) return false;
     return true;
   }
 };
@@ -93,13 +101,14 @@ Images imagesOf(const Image& value, const ReferenceImage& reference) {
   return {value, reference.mean, reference.halfA, reference.halfB, usedChannels(value)};
 }
 
-ReferenceStatistics statisticsOf(const Images& images, const std::vector<double>& weights, double epsilon) {
+ReferenceStatistics statisticsOf(const Images& images, const std::vector<double>& weights, const MeasureOptions& options) {
   constexpr std::array kLuminance{0.2126, 0.7152, 0.0722};
   double sum = 0, luminanceSum = 0, weightSum = 0, peak = -std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) continue;
+    const PixelSample sample = images.at(i);
     for (int c = 0; c < images.channels; ++c) {
-      const double r = images.at(i, c).r;
+      const double r = sample.r[c];
       sum += weights[i] * r / images.channels;
       luminanceSum +=
           weights[i] * r * (images.channels == 3 ? kLuminance[static_cast<size_t>(c)] : 1.0 / images.channels);
@@ -109,42 +118,72 @@ ReferenceStatistics statisticsOf(const Images& images, const std::vector<double>
   }
   ReferenceStatistics s;
   s.mean = sum / weightSum;
-  s.epsilon = epsilon > 0 ? epsilon : kRelativeEpsilon * luminanceSum / weightSum;
+  s.epsilon = options.epsilon > 0 ? options.epsilon : kRelativeEpsilon * luminanceSum / weightSum;
   if (peak > 0) s.peak = peak;
+  s.screen = Screen(options.appearance);
   return s;
 }
 
-using Term = double (*)(const ChannelSample&, const ReferenceStatistics&);
+/// A pixel's term: its own, or the mean of its channels'.
+template <class PerChannel, class PerPixel>
+double termOf(const PixelSample& p, const ReferenceStatistics& s, PerChannel channel, PerPixel pixel) {
+  if (pixel) return pixel(p, s);
+  double sum = 0;
+  for (int c = 0; c < p.channels; ++c) sum += channel(p.channel(c), s);
+  return sum / p.channels;
+}
 
-/// The term of each pixel that counts: the mean of its channels'.
-std::vector<double> pixelTerms(const Images& images, const std::vector<double>& weights, const ReferenceStatistics& s,
-                               Term term) {
+template <class Term>
+std::vector<double> pixelTerms(const Images& images, const std::vector<double>& weights, const Term& term) {
   std::vector<double> terms(weights.size(), 0.0);
-  for (size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] == 0) continue;
-    for (int c = 0; c < images.channels; ++c) terms[i] += term(images.at(i, c), s);
-    terms[i] /= images.channels;
-  }
+  for (size_t i = 0; i < weights.size(); ++i)
+    if (weights[i] != 0) terms[i] = term(images.at(i));
   return terms;
 }
 
-/// One draw of the noise that the reference puts into each pixel's term. In a squared term (t + x)(t + y), x and y the halves' noise of variance s^2,
+/// One draw of the noise that the reference puts into a pixel's term. In a squared term (t + x)(t + y), x and y the halves' noise of variance s^2,
 /// half of what it differs by from one half to the other is (x - y)(t + (x + y)/2): of variance 2 s^2 t^2 + s^4, as the term itself. What holds
-/// the mean image has its noise (x + y)/2, of which (x - y)/2 is a draw: to first order.
-std::vector<double> noiseOf(const Images& images, const std::vector<double>& weights, const ReferenceStatistics& s, Term term) {
+/// the mean image has its noise (x + y)/2, of which (x - y)/2 is a draw: to first order. Likewise denominators.
+template <class Term>
+double noiseDraw(const PixelSample& p, const Term& term) {
   constexpr double kStep = 1e-3;
-  std::vector<double> noise(weights.size(), 0.0);
+  const auto with = [&](const double (&a)[3], const double (&b)[3], double step) {
+    PixelSample q = p;
+    for (int c = 0; c < p.channels; ++c) q.r[c] += step * (p.a[c] - p.b[c]) / 2, q.guess[c] += step * p.guessDraw[c], q.a[c] = a[c], q.b[c] = b[c];
+    return term(q);
+  };
+  return (with(p.a, p.a, 0) - with(p.b, p.b, 0)) / 2 + (with(p.a, p.b, kStep) - with(p.a, p.b, -kStep)) / (2 * kStep);
+}
+
+/// The images as windowed metrics see them.
+struct Pictures {
+  Mask holds;
+  Image value, reference;
+};
+
+Pictures picturesOf(const Images& images, const std::vector<double>& weights, std::string_view metric) {
+  if (images.channels == 2) throw badInput(fmt::format("{} looks at colour: images of one channel or of three are wanted, not of two", metric));
+  Pictures out{Mask(weights.size(), 0), Image(images.value.width, images.value.height, 3), Image(images.value.width, images.value.height, 3)};
   for (size_t i = 0; i < weights.size(); ++i) {
-    if (weights[i] == 0) continue;
-    for (int c = 0; c < images.channels; ++c) {
-      const ChannelSample x = images.at(i, c);
-      const double step = kStep * (x.a - x.b) / 2;
-      noise[i] += (term({x.v, x.r, x.a, x.a}, s) - term({x.v, x.r, x.b, x.b}, s)) / 2;
-      noise[i] += (term({x.v, x.r + step, x.a, x.b}, s) - term({x.v, x.r - step, x.a, x.b}, s)) / (2 * kStep);
+    const PixelSample p = images.at(i);
+    const bool finite = images.finite(i), holds = weights[i] > 0 && finite;
+    out.holds[i] = holds;
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t from = images.channels == 1 ? 0 : c;
+      out.reference.data[3 * i + c] = std::isfinite(p.r[from]) ? static_cast<float>(p.r[from]) : 0;
+      out.value.data[3 * i + c] = holds ? static_cast<float>(p.v[from]) : out.reference.data[3 * i + c];
     }
-    noise[i] /= images.channels;
   }
-  return noise;
+  return out;
+}
+
+std::vector<double> windowedTerms(const MetricDefinition& definition, const Images& images, const std::vector<double>& weights, const MeasureOptions& options) {
+  const Pictures p = picturesOf(images, weights, definition.info.id);
+  std::vector<double> terms =
+      definition.map({p.value, p.holds}, {p.reference, p.holds}, {Screen(options.appearance), options.appearance.pixelsPerDegree, options.pool});
+  for (size_t i = 0; i < terms.size(); ++i)
+    if (weights[i] > 0 && !p.holds[i]) terms[i] = kNotKnown;
+  return terms;
 }
 
 Image mapOf(const std::vector<double>& terms, const std::vector<double>& weights, double (*mapped)(double), int width,
@@ -166,41 +205,93 @@ std::span<const MetricInfo> metricInfos() {
   return infos;
 }
 
-MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference,
-                     const MeasureOptions& options) {
-  const MetricDefinition& definition = definitionOf(metric);
-  const Images images = imagesOf(value, reference);
-  const std::vector<double> weights = weightsOf(value, options);
+const MetricInfo& metricInfo(std::string_view id) { return definitionOf(id).info; }
 
+namespace {
+
+/// One metric over pixels of one image; what is the same for every region is there already.
+struct Measurement {
+  const MetricDefinition& definition;
+  const Images& images;
+  bool halves;
+  const MeasureOptions& options;
+  const std::vector<double>* windowed;  ///< terms of a windowed metric
+
+  MetricResult over(const std::vector<double>& weights) const;
+};
+
+MetricResult Measurement::over(const std::vector<double>& weights) const {
+  const int width = images.value.width, height = images.value.height;
   MetricResult result;
   for (size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) continue;
     ++result.pixels;
     if (!images.finite(i)) ++result.nonFinite;
   }
-  const ReferenceStatistics statistics = statisticsOf(images, weights, options.epsilon);
-  const std::vector<double> terms = pixelTerms(images, weights, statistics, definition.term);
-  if (options.wantMap) result.map = mapOf(terms, weights, definition.mapped, value.width, value.height);
-  result.epsilon = statistics.epsilon;
-  result.peak = statistics.peak;
+  if (result.pixels == 0) throw badInput("no pixel counts: the image is empty, or its mask, weights or region are all 0");
+  const ReferenceStatistics s = statisticsOf(images, weights, options);
+  const auto term = [&](const PixelSample& p) { return termOf(p, s, definition.term, definition.pixelTerm); };
+  const std::vector<double> own = windowed ? std::vector<double>() : pixelTerms(images, weights, term);
+  const std::vector<double>& terms = windowed ? *windowed : own;
+  if (options.wantMap) result.map = mapOf(terms, weights, definition.mapped, width, height);
+  result.epsilon = s.epsilon;
+  result.peak = s.peak;
   if (result.nonFinite > 0) {
-    result.value = result.standardError = std::numeric_limits<double>::quiet_NaN();
+    result.value = result.standardError = result.noiseFloor = kNotKnown;
     return result;
   }
-  const BlockMean mean = blockMean(terms, weights, value.width, value.height);
+  const BlockMean mean = blockMean(terms, weights, width, height);
   result.value = mean.mean;
-  result.standardError =
-      hasHalves(reference) ? blockNoise(noiseOf(images, weights, statistics, definition.term), weights, value.width, value.height) : mean.standardError;
-  if (definition.floor)
-    result.noiseFloor =
-        blockMean(pixelTerms(images, weights, statistics, definition.floor), weights, value.width, value.height).mean;
-  if (definition.finish) definition.finish(result, statistics);
+  result.standardError = mean.standardError;
+  if (halves) {
+    const auto noise = [&](const PixelSample& p) { return noiseDraw(p, term); };
+    result.standardError = windowed ? kNotKnown : blockNoise(pixelTerms(images, weights, noise), weights, width, height);
+  }
+  result.noiseFloor = kNotKnown;
+  if (halves && (definition.floor || definition.pixelFloor)) {
+    const auto floor = [&](const PixelSample& p) { return termOf(p, s, definition.floor, definition.pixelFloor); };
+    result.noiseFloor = blockMean(pixelTerms(images, weights, floor), weights, width, height).mean;
+  }
+  if (definition.finish) definition.finish(result, s);
   return result;
+}
+
+}  // namespace
+
+std::vector<MetricResult> measureRegions(std::string_view metric, const Image& value, const ReferenceImage& reference, const MeasureOptions& options,
+                                         std::span<const Mask> regions) {
+  const MetricDefinition& definition = definitionOf(metric);
+  Images images = imagesOf(value, reference);
+  const std::vector<double> weights = weightsOf(value, options);
+  const bool halves = hasHalves(reference);
+  CalmedReference calmed;
+  if (halves && definition.calmDenominator) calmed = calmedReference(value, reference, weights, options.pool), images.calmed = &calmed;
+  std::vector<double> windowed;
+  if (definition.map) windowed = windowedTerms(definition, images, weights, options);
+  const Measurement measurement{definition, images, halves, options, definition.map ? &windowed : nullptr};
+  std::vector<MetricResult> out;
+  for (const Mask& region : regions) {
+    if (!region.empty() && region.size() != weights.size())
+      throw badInput(fmt::format("the region's mask has {} pixels, the image {}", region.size(), weights.size()));
+    std::vector<double> part = weights;
+    if (!region.empty())
+      for (size_t i = 0; i < part.size(); ++i)
+        if (region[i] == 0) part[i] = 0;
+    out.push_back(measurement.over(part));
+  }
+  return out;
+}
+
+MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const MeasureOptions& options) {
+  const Mask everything;
+  return std::move(measureRegions(metric, value, reference, options, {&everything, 1}).front());
 }
 
 MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const Mask& mask,
                      bool wantMap, double epsilon) {
-  return measure(metric, value, reference, MeasureOptions{mask, {}, wantMap, epsilon});
+  MeasureOptions options;
+  options.mask = mask, options.wantMap = wantMap, options.epsilon = epsilon;
+  return measure(metric, value, reference, options);
 }
 
 Mask rectangleMask(int width, int height, const PixelRectangle& r, const Mask& base) {

@@ -3,7 +3,7 @@
 namespace hl {
 
 const MetricDefinition kMse{
-    .info = {"mse", "MSE", "mean (v-r)^2", true},
+    .info = {.id = "mse", .label = "MSE", .formula = "mean (v-r)^2", .squared = true},
     .term = [](const ChannelSample& c, const ReferenceStatistics&) { return c.squaredError(); },
     .floor = [](const ChannelSample& c, const ReferenceStatistics&) { return c.referenceVariance(); },
 };

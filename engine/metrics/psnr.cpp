@@ -15,8 +15,7 @@ double decibels(double meanSquare, double peak) {
 void finish(MetricResult& result, const ReferenceStatistics& s) {
   const double meanSquare = result.value;
   result.value = decibels(meanSquare, s.peak);
-  // What the reference's noise alone would give. Without halves it is unknown, which is said as 0.
-  result.noiseFloor = result.noiseFloor > 0 ? decibels(result.noiseFloor, s.peak) : 0;
+  result.noiseFloor = std::isnan(result.noiseFloor) ? result.noiseFloor : decibels(result.noiseFloor, s.peak);
   if (result.standardError == 0) return;
   // Where nothing is left of the error, nothing is known of its size in decibels.
   result.standardError = meanSquare > 0 ? result.standardError * 10 / (std::log(10.0) * meanSquare)
@@ -26,7 +25,11 @@ void finish(MetricResult& result, const ReferenceStatistics& s) {
 }  // namespace
 
 const MetricDefinition kPsnr{
-    .info = {"psnr", "PSNR [dB]", "10 log10(peak^2 / mean (v-r)^2); peak = largest value of r", true},
+    .info = {.id = "psnr",
+             .label = "PSNR [dB]",
+             .formula = "10 log10(peak^2 / mean (v-r)^2); peak = largest value of r",
+             .squared = true,
+             .perfect = std::numeric_limits<double>::infinity()},
     .term = [](const ChannelSample& c, const ReferenceStatistics&) { return c.squaredError(); },
     .floor = [](const ChannelSample& c, const ReferenceStatistics&) { return c.referenceVariance(); },
     .finish = finish,

@@ -18,7 +18,7 @@ void finish(MetricResult& result, const ReferenceStatistics&) {
 }  // namespace
 
 const MetricDefinition kRmse{
-    .info = {"rmse", "RMSE", "sqrt(mean (v-r)^2)", true},
+    .info = {.id = "rmse", .label = "RMSE", .formula = "sqrt(mean (v-r)^2)", .squared = true},
     .term = [](const ChannelSample& c, const ReferenceStatistics&) { return c.squaredError(); },
     .floor = [](const ChannelSample& c, const ReferenceStatistics&) { return c.referenceVariance(); },
     .finish = finish,

@@ -19,18 +19,6 @@ struct ToneMapConstants {
   uint32_t curve, showInvalid;
 };
 
-uint32_t curveOf(ToneMap t) {
-  switch (t) {
-    case ToneMap::Linear:
-      return shared::kToneMapLinear;
-    case ToneMap::Aces:
-      return shared::kToneMapAces;
-    case ToneMap::Reinhard:
-      return shared::kToneMapReinhard;
-  }
-  return shared::kToneMapLinear;
-}
-
 uint32_t channelsOf(Format f) {
   switch (f) {
     case Format::R32F:
@@ -65,14 +53,18 @@ vec3 colourAt(const Image& image, size_t pixel) {
 constexpr uint32_t kViridis[] = {0x440154, 0x481a6c, 0x472f7d, 0x414487, 0x39568c, 0x31688e, 0x2a788e, 0x23888e,
                                  0x1f988b, 0x22a884, 0x35b779, 0x54c568, 0x7ad151, 0xa5db36, 0xd2e21b, 0xfde725};
 
+/// Magma, by the same authors and in the same steps.
+constexpr uint32_t kMagma[] = {0x000004, 0x0b0924, 0x20114b, 0x3b0f70, 0x57157e, 0x721f81, 0x8c2981, 0xa8327d,
+                               0xc43c75, 0xde4968, 0xf1605d, 0xfa7f5e, 0xfe9f6d, 0xfebf84, 0xfddea0, 0xfcfdbf};
+
 vec3 colourOf(uint32_t c) {
   return vec3(static_cast<float>(c >> 16), static_cast<float>(c >> 8 & 255), static_cast<float>(c & 255)) / 255.0f;
 }
 
-vec3 viridis(float x) {
+vec3 ramp(const uint32_t (&colours)[16], float x) {
   const float at = std::clamp(x, 0.0f, 1.0f) * 15.0f;
   const size_t low = std::min(static_cast<size_t>(at), size_t{14});
-  return glm::mix(colourOf(kViridis[low]), colourOf(kViridis[low + 1]), at - static_cast<float>(low));
+  return glm::mix(colourOf(colours[low]), colourOf(colours[low + 1]), at - static_cast<float>(low));
 }
 
 /// Colours between Okabe and Ito's blues and oranges, sampled at quarters; both arms have the same luminance at each, within 0.03.
@@ -86,6 +78,11 @@ vec3 diverging(float x) {
   return glm::mix(colourOf(arm[low]), colourOf(arm[low + 1]), at - static_cast<float>(low));
 }
 
+vec3 falseColourOf(float x, ColourScale scale) {
+  if (scale == ColourScale::Signed) return diverging(x);
+  return scale == ColourScale::Magma ? ramp(kMagma, x) : ramp(kViridis, x);
+}
+
 float meanOfChannels(const Image& map, size_t pixel) {
   const int channels = std::min(map.channels, 3);
   const float* p = map.data.data() + pixel * static_cast<size_t>(map.channels);
@@ -97,6 +94,18 @@ float meanOfChannels(const Image& map, size_t pixel) {
 constexpr double kScaleQuantile = 0.98;
 
 }  // namespace
+
+uint32_t toneMapCurve(ToneMap t) {
+  switch (t) {
+    case ToneMap::Linear:
+      return shared::kToneMapLinear;
+    case ToneMap::Aces:
+      return shared::kToneMapAces;
+    case ToneMap::Reinhard:
+      return shared::kToneMapReinhard;
+  }
+  return shared::kToneMapLinear;
+}
 
 const std::vector<ViewInfo>& displayViews() {
   static const std::vector<ViewInfo> views = {
@@ -148,7 +157,7 @@ GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display&
   Mode mode = sceneReferred ? kRadiance : kColour;
   if (!sceneReferred && display.view == "normal") mode = kDirection;
   if (!sceneReferred && display.view == "position") mode = kPlace;
-  const ToneMapConstants constants{std::exp2(display.exposure), curveOf(display.toneMap),
+  const ToneMapConstants constants{std::exp2(display.exposure), toneMapCurve(display.toneMap),
                                    display.showInvalid ? 1u : 0u};
   graph.compute("tone map", "passes/tone_map.comp")
       .sample("source", source)
@@ -164,7 +173,7 @@ GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display&
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display& display) {
   std::vector<unsigned char> out(rgb.pixels() * 4);
   const float scale = std::exp2(display.exposure);
-  const uint32_t curve = curveOf(display.toneMap);
+  const uint32_t curve = toneMapCurve(display.toneMap);
   for (size_t i = 0; i < rgb.pixels(); ++i) {
     const vec3 c = colourAt(rgb, i);
     vec3 shown(0);
@@ -191,22 +200,12 @@ std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display& displa
   return out;
 }
 
-std::vector<unsigned char> falseColour(const Image& map, float scale) {
+std::vector<unsigned char> falseColour(const Image& map, float scale, ColourScale colours) {
   if (!(scale > 0)) throw badInput(fmt::format("false colours: the scale is {}; it must be above 0", scale));
   std::vector<unsigned char> out(map.pixels() * 4);
   for (size_t i = 0; i < map.pixels(); ++i) {
     const float value = meanOfChannels(map, i);
-    store(out.data() + 4 * i, shared::isNonFinite(value) ? shared::kNanColour : viridis(value / scale));
-  }
-  return out;
-}
-
-std::vector<unsigned char> signedColour(const Image& map, float scale) {
-  if (!(scale > 0)) throw badInput(fmt::format("signed colours: the scale is {}; it must be above 0", scale));
-  std::vector<unsigned char> out(map.pixels() * 4);
-  for (size_t i = 0; i < map.pixels(); ++i) {
-    const float value = meanOfChannels(map, i);
-    store(out.data() + 4 * i, shared::isNonFinite(value) ? shared::kNanColour : diverging(value / scale));
+    store(out.data() + 4 * i, shared::isNonFinite(value) ? shared::kNanColour : falseColourOf(value / scale, colours));
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // Composite, tone map and the views of the viewport.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct Display {
   ToneMap toneMap = ToneMap::Linear;  ///< then sRGB
   std::string view = "final";         ///< an id of displayViews(), or of a technique's debugViews()
   bool showInvalid = false;           ///< NaN, Inf and negative pixels in loud colours
+  std::string errorMetric = "relmse";  ///< whose map the error views show
   bool operator==(const Display&) const = default;
 };
 
@@ -36,11 +38,12 @@ GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool
                        const Buffer& counters);
 /// The same tone map on the host, for images (reference, error maps). RGBA8 rows from the top.
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display&);
-/// Error map in false colours (viridis), from 0 to `scale`. RGBA8.
-std::vector<unsigned char> falseColour(const Image& map, float scale);
-/// A signed map (the mean of its channels) from -scale, blue, through 0, near white, to scale, orange: told apart under the common colour deficiencies, and
-/// equally dark at both ends. RGBA8.
-std::vector<unsigned char> signedColour(const Image& map, float scale);
+/// The tone map's number in shaders/shared/tone_map.h.
+uint32_t toneMapCurve(ToneMap);
+/// Signed: from -scale, blue, through 0, near white, to scale, orange: told apart under the common colour deficiencies, and equally dark at both ends.
+enum class ColourScale { Viridis, Magma, Signed };
+/// False colours of a map (the mean of its channels) from 0 to `scale`, or from -scale. RGBA8. What they mean for an error map: error_colours.h.
+std::vector<unsigned char> falseColour(const Image& map, float scale, ColourScale = ColourScale::Viridis);
 /// Where a map's colours end: the quantile 0.98 of its absolute values, so that one bright pixel does not darken all others. Above 0; not finite ones are
 /// passed over.
 float colourScale(const Image& map);

@@ -1,5 +1,5 @@
 #pragma once
-// What Assimp makes of a mesh file, in plain data. Assimp's headers are in mesh_assimp.cpp alone.
+// What Assimp makes of a mesh file, in plain data. Assimp itself is in the import module alone (engine/import).
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -29,9 +29,9 @@ struct AssimpMesh {
   std::vector<EmbeddedImage> images;
 };
 
-/// `bytes` is the content of `file`; buffers that a glTF keeps in other files are read from beside it and added to
+/// The import module's function. `bytes` is the content of `file`; buffers that a glTF keeps in other files are read from beside it and added to
 /// `inputs`.
-AssimpMesh readWithAssimp(const std::filesystem::path& file, std::string_view bytes, double scale, Progress*,
-                          std::vector<ImportInput>& inputs);
+using ReadMeshEntry = AssimpMesh(const std::filesystem::path& file, std::string_view bytes, double scale, Progress*,
+                                 std::vector<ImportInput>& inputs);
 
 }  // namespace hl

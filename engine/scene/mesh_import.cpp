@@ -7,6 +7,7 @@
 
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
+#include "engine/core/import_module.h"
 #include "engine/scene/gltf_check.h"
 #include "engine/scene/mesh_assimp.h"
 #include "engine/scene/mtl_file.h"
@@ -176,6 +177,7 @@ Scene importMesh(const std::filesystem::path& file, double scale, Progress* prog
                  std::vector<ImportInput>* inputs) {
   if (!isMeshFile(file))
     throw badInput(fmt::format("{}: not a kind of mesh that is read; {} are", file.string(), kMeshKinds));
+  const auto readMesh = importEntry<ReadMeshEntry>(ImportEntry::kReadMesh, file.string());
   std::vector<ImportInput> read;
   std::string bytes = readFile(file);
   read.push_back({file, hashOf(bytes)});
@@ -186,7 +188,7 @@ Scene importMesh(const std::filesystem::path& file, double scale, Progress* prog
     summary = checkObj(bytes, file, progress);
   else
     bytes = checkGltf(bytes, file, progress);
-  AssimpMesh mesh = readWithAssimp(file, bytes, scale, progress, read);
+  AssimpMesh mesh = readMesh(file, bytes, scale, progress, read);
   if (obj) applyMtl(file, summary, mesh, read);
   dropUnused(mesh);
   if (progress) progress->begin("import: textures", mesh.materials.size());

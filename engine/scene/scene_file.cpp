@@ -8,6 +8,7 @@
 #include "engine/core/files.h"
 #include "engine/scene/mesh_import.h"
 #include "engine/scene/scene_build.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_description.h"
 #include "engine/scene/scene_search.h"
 #include "engine/scene/shapes.h"
@@ -86,7 +87,16 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
 }  // namespace
 
 Scene loadScene(const std::string& nameOrPath, Progress* progress, const std::filesystem::path& beside) {
+  if (isBundleFile(beside)) {
+    const Archive bundle(beside, kBundleKind);
+    if (bundle.has(bundledScenePart(nameOrPath))) return bundledScene(bundle, nameOrPath);
+    return loadScene(nameOrPath, progress, beside.parent_path());
+  }
   const std::filesystem::path file = findScene(nameOrPath, beside);
+  if (isBundleFile(file)) {
+    const Archive bundle(file, kBundleKind);
+    return bundledScene(bundle, onlyScene(bundle));
+  }
   Scene scene;
   if (isMeshFile(file)) {
     scene = importMeshCached(file, 1, progress);

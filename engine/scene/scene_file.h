@@ -9,7 +9,8 @@
 
 namespace hl {
 
-/// A scene name ("cornell_box"), a scene file, or a mesh (.obj, .gltf, .glb). Names and relative paths are looked for along scenePath().
+/// A scene name ("cornell_box"), a scene file, a mesh (.obj, .gltf, .glb), or a bundle of one scene. Names and relative paths are looked for along
+/// scenePath(); where `beside` is a bundle, in there first.
 /// @throws Error(BadInput): one line with the file, the place in it and what would be right.
 /// @throws Error(Cancelled)
 Scene loadScene(const std::string& nameOrPath, Progress* progress = nullptr, const std::filesystem::path& beside = {});

@@ -8,6 +8,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/scene/mesh_import.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 
 namespace hl {
@@ -35,7 +36,7 @@ std::string label(const SceneDescription& d, const fs::path& file) {
 fs::path findScene(const std::string& nameOrPath, const fs::path& beside) {
   if (nameOrPath.empty()) throw badInput("a scene's name or file is wanted, not an empty one");
   const fs::path asked(nameOrPath);
-  const bool known = asked.extension() == ".json" || isMeshFile(asked);
+  const bool known = asked.extension() == ".json" || isMeshFile(asked) || isBundleFile(asked);
   const std::vector<fs::path> folders = scenePath(beside);
   if (known) {
     if (isFile(asked)) return asked;
@@ -47,11 +48,12 @@ fs::path findScene(const std::string& nameOrPath, const fs::path& beside) {
   }
   if (isFile(asked))
     throw badInput(
-        fmt::format("{}: neither a scene file (.json) nor a mesh that is read ({})", nameOrPath, kMeshKinds));
-  for (const fs::path& folder : folders) {
-    const fs::path file = folder / (nameOrPath + ".json");
-    if (isFile(file)) return file;
-  }
+        fmt::format("{}: neither a scene file (.json) nor a mesh that is read ({}) nor a bundle ({})", nameOrPath, kMeshKinds, kBundleExtension));
+  for (const fs::path& folder : folders)
+    for (const char* extension : {".json", kBundleExtension}) {
+      const fs::path file = folder / (nameOrPath + extension);
+      if (isFile(file)) return file;
+    }
   std::vector<std::string> names;
   for (const SceneListing& s : listScenes()) names.push_back(s.id);
   const std::string near = nearest(nameOrPath, names);
@@ -80,10 +82,15 @@ std::vector<SceneListing> listScenes() {
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
       const fs::path file = entry.path();
       const std::string id = file.stem().string();
-      if (file.extension() != ".json" || !entry.is_regular_file(ignored)) continue;
+      if ((file.extension() != ".json" && !isBundleFile(file)) || !entry.is_regular_file(ignored)) continue;
       if (std::any_of(scenes.begin(), scenes.end(), [&](const SceneListing& s) { return s.id == id; })) continue;
       SceneListing s{id, id, file, true, ""};
       try {
+        if (isBundleFile(file)) {
+          onlyScene(Archive(file, kBundleKind));
+          scenes.push_back(std::move(s));
+          continue;
+        }
         const SceneDescription d = parseSceneDescription(readFile(file), file);
         s.label = label(d, file);
         if (d.mesh) findMesh(*d.mesh, file);

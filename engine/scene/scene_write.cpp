@@ -7,6 +7,7 @@
 #include "engine/core/files.h"
 #include "engine/scene/json_reader.h"
 #include "engine/scene/mesh_import.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 
 namespace hl {
@@ -72,6 +73,8 @@ void materials(const Scene& s, Json& root) {
 }  // namespace
 
 std::string sceneJson(const Scene& scene) {
+  if (isBundleFile(scene.source))
+    throw badInput(fmt::format("{}: a scene out of a bundle has no file to write over; save a preset, or open the scene's own file", scene.source.string()));
   Json root = {{"version", 1}};
   if (isMeshFile(scene.source))
     root["mesh"] = {{"file", std::filesystem::absolute(scene.source).string()}};

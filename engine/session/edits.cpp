@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/core/log.h"
+#include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 #include "engine/session/session_impl.h"
 
@@ -12,6 +13,7 @@ namespace hl {
 namespace {
 
 constexpr float kDefaultSliceMs = 30;
+constexpr int kCalmFrames = 10;  // that the picture must be shown the same way before its errors are measured anew
 constexpr int kMinResolution = 1, kMaxResolution = 8192;
 // A vertex normal counts as smooth when it leaves its triangle's normal by more than about 0.8 degrees.
 constexpr float kSmoothCosine = 0.9999f;
@@ -187,7 +189,7 @@ void Session::load(const Preset& preset, Progress* progress) {
     found.view->set(*found.info, parseParam(*found.info, text));
   }
   checkView(preset.display.view, *technique);
-  const std::filesystem::path beside = preset.file.empty() ? std::filesystem::path() : preset.file.parent_path();
+  const std::filesystem::path beside = isBundleFile(preset.file) ? preset.file : preset.file.parent_path();
   auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   if (preset.lights) applyLights(*scene, *preset.lights);
@@ -320,6 +322,10 @@ void Session::setSeed(uint32_t seed) {
 
 void Session::setDisplay(const Display& display) {
   checkView(display.view, *impl_->technique);
+  metricInfo(display.errorMetric);
+  const Display& old = impl_->preset.display;
+  // Errors of the picture are those of the picture as it is shown.
+  if (display.exposure != old.exposure || display.toneMap != old.toneMap || display.errorMetric != old.errorMetric) impl_->framesToMeasure = kCalmFrames;
   impl_->preset.display = display;
 }
 

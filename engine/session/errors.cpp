@@ -9,12 +9,6 @@
 namespace hl {
 namespace {
 
-bool anySet(const Mask& mask) {
-  for (const unsigned char m : mask)
-    if (m) return true;
-  return false;
-}
-
 ErrorValue valueOf(const MetricResult& m, const std::string& metric, const char* reference, const char* target, const char* component,
                    const std::string& roi) {
   ErrorValue e;
@@ -34,43 +28,82 @@ Mask within(const Mask& mask, const Region& region, int width, int height) {
   return out;
 }
 
+/// Lumels laid out as they lie in the lightmap, so that they have neighbours. Texels without surface are 0 in it, and do not count.
+Image inAtlas(const Atlas& atlas, const Image& lumels) {
+  const int side = atlas.resolution;
+  Image out(side, side, 3);
+  for (size_t i = 0; i < lumels.pixels(); ++i) std::copy_n(&lumels.data[i * 3], 3, &out.data[static_cast<size_t>(atlas.lumels[i].texel) * 3]);
+  return out;
+}
+
+/// What the picture shows of a technique and of the truth, ready to be measured.
+struct Truth {
+  const char* reference;
+  ReferenceImage indirect, final;
+};
+
 }  // namespace
+
+bool anySet(const Mask& mask) {
+  for (const unsigned char m : mask)
+    if (m) return true;
+  return false;
+}
+
+std::vector<std::pair<std::string, Mask>> Session::Impl::regionMasks(const Mask& surfaces) const {
+  std::vector<std::pair<std::string, Mask>> out = {{"", surfaces}};
+  for (const Region& region : scene->regions) {
+    Mask part = within(surfaces, region, gbuffer.width, gbuffer.height);
+    if (anySet(part)) out.emplace_back(region.name, std::move(part));
+  }
+  return out;
+}
+
+Appearance Session::Impl::appearance() const { return {.exposure = preset.display.exposure, .curve = toneMapCurve(preset.display.toneMap)}; }
 
 std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& metrics, const std::string& target) {
   Impl& s = *impl_;
   std::vector<ErrorValue> out;
+  MeasureOptions options;
+  options.appearance = s.appearance();
+  options.pool = &s.pool;
   const int bounces = s.technique->transport().bounces;
   if (target == "lightmap") {
     const std::vector<vec3> lightmap = s.technique->lightmapIrradiance();
     if (!s.lightmapRun.result || lightmap.empty()) return out;
-    Image value(static_cast<int>(lightmap.size()), 1, 3);
+    Image lumels(static_cast<int>(lightmap.size()), 1, 3);
     for (size_t i = 0; i < lightmap.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) value.data[i * 3 + c] = lightmap[i][static_cast<int>(c)];
-    MeasureOptions byArea;
-    for (const Lumel& l : s.atlas->lumels) byArea.weights.push_back(l.area);
-    const ReferenceImage truth = s.lightmapRun.result->indirectImage(bounces);
-    for (const std::string& m : metrics)
-      out.push_back(valueOf(measure(m, value, truth, byArea), m, "matched", "lightmap", "indirect", ""));
+      for (size_t c = 0; c < 3; ++c) lumels.data[i * 3 + c] = lightmap[i][static_cast<int>(c)];
+    const Image value = inAtlas(*s.atlas, lumels);
+    const ReferenceImage traced = s.lightmapRun.result->indirectImage(bounces);
+    const ReferenceImage truth{inAtlas(*s.atlas, traced.mean), inAtlas(*s.atlas, traced.halfA), inAtlas(*s.atlas, traced.halfB)};
+    options.weights.assign(value.pixels(), 0.0f);
+    for (const Lumel& l : s.atlas->lumels) options.weights[l.texel] = l.area;
+    for (const std::string& m : metrics) out.push_back(valueOf(measure(m, value, truth, options), m, "matched", "lightmap", "indirect", ""));
     return out;
   }
   if (target != "image") throw badInput(fmt::format("error target '{}': it is image or lightmap", target));
   if (!s.full.result) return out;
+  return measureErrorsOf(s.indirectIrradiance(), metrics);
+}
+
+std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics) {
+  Impl& s = *impl_;
+  std::vector<ErrorValue> out;
+  const int bounces = s.technique->transport().bounces;
+  if (!s.full.result) return out;
+  MeasureOptions options;
+  options.appearance = s.appearance();
+  options.pool = &s.pool;
   const SurfaceImages surfaces = s.surfaceImages();
-  const Image direct = s.device.download(s.directImage), indirect = s.indirectIrradiance();
-  const Mask mask = maskOf(surfaces.position);
-  if (!anySet(mask)) return out;
+  const Image direct = s.device.download(s.directImage);
+  options.mask = maskOf(surfaces.position);
+  if (!anySet(options.mask)) return out;
   const Image final = surfaces.composite(direct, indirect);
   std::vector<Mask> parts;
   std::vector<std::string> regions;
-  for (const Region& region : s.scene->regions) {
-    Mask part = within(mask, region, direct.width, direct.height);
-    if (anySet(part)) parts.push_back(std::move(part)), regions.push_back(region.name);
-  }
+  for (auto& [name, part] : s.regionMasks(options.mask)) regions.push_back(name), parts.push_back(std::move(part));
 
-  struct Truth {
-    const char* reference;
-    ReferenceImage indirect, final;
-  };
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
   const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets);
@@ -87,25 +120,29 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
 
   struct Job {
     const Truth* truth;
-    std::string metric, roi;
-    const Mask* mask;
+    std::string metric;
     bool final;
+    std::vector<MetricResult> results;
   };
   std::vector<Job> jobs;
   for (const Truth& truth : truths)
-    for (const std::string& m : metrics) {
-      jobs.push_back({&truth, m, "", &mask, false});
-      jobs.push_back({&truth, m, "", &mask, true});
-      for (size_t i = 0; i < parts.size(); ++i) jobs.push_back({&truth, m, regions[i], &parts[i], false});
-    }
-  out.resize(jobs.size());
+    for (const std::string& m : metrics)
+      for (const bool ofFinal : {false, true}) jobs.push_back({&truth, m, ofFinal, {}});
+  const auto run = [&](Job& job, const MeasureOptions& with) {
+    job.results = measureRegions(job.metric, job.final ? final : indirect, job.final ? job.truth->final : job.truth->indirect, with, parts);
+  };
+  // Those that see neighbours share the pool among their rows, one after the other; of the rest each is a task.
+  for (Job& job : jobs)
+    if (metricInfo(job.metric).windowed) run(job, options);
+  MeasureOptions alone = options;
+  alone.pool = nullptr;
   s.pool.parallelFor(jobs.size(), 1, [&](size_t first, size_t last, unsigned) {
-    for (size_t i = first; i < last; ++i) {
-      const Job& job = jobs[i];
-      const MetricResult result = measure(job.metric, job.final ? final : indirect, job.final ? job.truth->final : job.truth->indirect, *job.mask);
-      out[i] = valueOf(result, job.metric, job.truth->reference, "image", job.final ? "final" : "indirect", job.roi);
-    }
+    for (size_t i = first; i < last; ++i)
+      if (!metricInfo(jobs[i].metric).windowed) run(jobs[i], alone);
   });
+  for (const Job& job : jobs)
+    for (size_t i = 0; i < parts.size(); ++i)
+      out.push_back(valueOf(job.results[i], job.metric, job.truth->reference, "image", job.final ? "final" : "indirect", regions[i]));
   if (same && truths.size() == 1 && truths[0].reference == std::string_view("matched")) {
     const size_t count = out.size();
     for (size_t i = 0; i < count; ++i) out.push_back(out[i]), out.back().reference = "full";
@@ -113,17 +150,20 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
   return out;
 }
 
-Image Session::errorMap(const std::string& metric, const std::string& reference) {
-  Impl& s = *impl_;
-  if (reference != "matched" && reference != "full") throw badInput(fmt::format("reference '{}': it is matched or full", reference));
-  const bool matched = reference == "matched";
-  const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
+Image Session::Impl::errorMap(const std::string& metric, bool againstFull) {
+  const ReferenceRun& run = !againstFull && matched.result ? matched : full;
   if (!run.result) throw badInput("error map: there is no reference yet");
-  const Image indirect = s.indirectIrradiance();
-  const Mask mask = s.surfaceMask();
-  if (!anySet(mask)) return Image(indirect.width, indirect.height, 1);
-  const ReferenceImage truth = run.result->indirectImage(matched ? s.technique->transport().bounces : s.fullBounces());
-  return measure(metric, indirect, truth, mask, true).map;
+  const Image indirect = indirectIrradiance();
+  MeasureOptions mapped;
+  mapped.mask = surfaceMask(), mapped.wantMap = true, mapped.appearance = appearance(), mapped.pool = &pool;
+  if (!anySet(mapped.mask)) return Image(indirect.width, indirect.height, 1);
+  const ReferenceImage truth = run.result->indirectImage(againstFull ? fullBounces() : technique->transport().bounces);
+  return measure(metric, indirect, truth, mapped).map;
+}
+
+Image Session::errorMap(const std::string& metric, const std::string& reference) {
+  if (reference != "matched" && reference != "full") throw badInput(fmt::format("reference '{}': it is matched or full", reference));
+  return impl_->errorMap(metric, reference == "full");
 }
 
 }  // namespace hl

@@ -18,7 +18,14 @@ constexpr double kReferenceSliceMs = 60;
 constexpr double kMeasureEveryMs = 2000;
 // What measuring takes is at most this share of the time.
 constexpr double kMeasureShare = 0.1;
-const std::vector<std::string> kLiveMetrics = {"relmse", "mse", "rmse", "mae", "smape", "bias", "psnr"};
+
+/// What is measured while things change: those that see a pixel's neighbours take longer, and wait for the end or for being looked at.
+std::vector<std::string> liveMetrics(bool settled, const Display& display) {
+  std::vector<std::string> out;
+  for (const MetricInfo& m : metricInfos())
+    if (m.id == display.errorMetric || !m.windowed || (settled && !m.costly)) out.emplace_back(m.id);
+  return out;
+}
 
 PickedPoint pickedPoint(Device& device, const GBuffer& g, int x, int y) {
   PickedPoint p;
@@ -123,11 +130,13 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   // A frame that worked shows what was there before its work: it is not the last to be measured.
   const bool allSettled = !worked && s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
   const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
+  const bool shownAnew = s.framesToMeasure > 0 && --s.framesToMeasure == 0;  // not while someone turns the exposure
+  if (shownAnew) s.measuredSettled = false;
   if (s.referenceWanted && s.full.result && !s.measuredSettled && (due || allSettled) && !p.cancelled()) {
     const double began = nowMs();
     s.lastMeasurementMs = s.msSinceReset + s.referenceMs;
     s.measuredSettled = allSettled;
-    s.errors = measureErrors(kLiveMetrics);
+    s.errors = measureErrors(liveMetrics(allSettled, s.preset.display));
     s.addConvergencePoint();
     s.measurementMs = nowMs() - began;
   }
@@ -145,6 +154,10 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
+  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled())
+    s.settledFrames = s.frameSinceReset, s.settledMs = s.msSinceReset;
+  r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
+  r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;
   r.workMs = s.workMs, r.workUnits = s.workUnitsTimed;
   r.passes = s.frameProfiler.passes();
   r.workPasses = s.workProfiler.passes();
@@ -186,6 +199,16 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (s.atlas) r.atlas = s.atlas->report;
   r.preset = preset();
   return result;
+}
+
+void Session::finishWork(Progress* progress) {
+  Progress& p = progress ? *progress : *impl_->progress;
+  Impl& s = *impl_;
+  if (s.frameNumber == 0 || s.resetWanted || s.techniqueStale) frame(&p);
+  while (!s.workSettled()) {
+    p.check();
+    s.runWork(1000, p);
+  }
 }
 
 std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {

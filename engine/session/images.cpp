@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/passes/error_colours.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -23,6 +24,11 @@ Mask maskOf(const Image& position) {
   Mask mask(position.pixels());
   for (size_t i = 0; i < mask.size(); ++i) mask[i] = position.data[i * 4 + 3] != 0;
   return mask;
+}
+
+uint64_t Session::surfacePixels() {
+  const Mask mask = impl_->surfaceMask();
+  return static_cast<uint64_t>(std::count(mask.begin(), mask.end(), 1));
 }
 
 Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
@@ -128,13 +134,7 @@ void Session::Impl::showHostView(FrameResult& result) {
     result.display = toneMapOnHost(linearImage(id), preset.display);
     return;
   }
-  const Mask mask = surfaceMask();
-  if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return;
-  const bool againstFull = id == "error_full";
-  const ReferenceRun& run = !againstFull && matched.result ? matched : full;
-  const int bounces = againstFull ? fullBounces() : technique->transport().bounces;
-  const Image map = measure("relmse", indirectIrradiance(), run.result->indirectImage(bounces), mask, true).map;
-  result.display = falseColour(map, colourScale(map));
+  result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
 }
 
 }  // namespace hl

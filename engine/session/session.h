@@ -1,5 +1,6 @@
 #pragma once
 // The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "engine/gpu/profiler.h"
 #include "engine/metrics/metrics.h"
 #include "engine/params/param.h"
+#include "engine/reference/progressive_tracer.h"
 #include "engine/reference/reference.h"
 #include "engine/scene/scene.h"
 #include "engine/techniques/technique.h"
@@ -33,6 +35,24 @@ struct ErrorValue {
   double value = 0, noiseFloor = 0, standardError = 0;
   uint64_t nonFinite = 0;
   std::string roi;        ///< "" for the whole image
+};
+
+/// A sudden change whose transient is followed: all lights and the sky times a factor, or a parameter.
+struct Step {
+  std::string key, value;  ///< "lights", or a parameter's key
+  float factor = 1;
+  bool ofLights() const { return key == "lights"; }
+};
+/// "lights=FACTOR" or "KEY=VALUE". @throws Error(BadInput)
+Step parseStep(const std::string& text);
+
+/// How the indirect light follows a step. Frames count from 1, milliseconds from the edit.
+struct StepReport {
+  double size = 0;                         ///< rms of what the step changes in the indirect irradiance; 0: nothing, and then there is nothing to follow
+  std::optional<uint64_t> frames5, frames1;  ///< from which on at most 5 %, 1 % of it are left; none: not within the frames that were rendered
+  std::optional<double> ms5, ms1;
+  std::vector<double> left;                ///< by frame
+  bool settled = false;                    ///< at the last of them
 };
 
 struct Provenance {
@@ -65,8 +85,12 @@ struct FrameResult {
   std::string view;
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
+  double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
   double workMs = 0;                 ///< that units of long work have taken since the reset
   uint64_t workUnits = 0;            ///< ... and how many
+  double sinceResetMs = 0;           ///< frames and units of work since the reset
+  uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
+  double settledMs = 0;              ///< sinceResetMs at that frame
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
@@ -133,16 +157,35 @@ class Session {
   std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
   /// Frames until nothing would change any more (bake and direct light settled).
   std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
+  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine.
+  void finishWork(Progress* = nullptr);
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
+  /// The cache's files of the references that are complete, for bundles.
+  std::vector<std::filesystem::path> referenceFiles() const;
 
   /// Linear images of the last frame: "final", "indirect", "direct", "albedo", "reference", "reference_matched" (limited to the light paths that the
   /// technique models), a debug view. @throws Error(BadInput) naming the views there are.
   Image image(const std::string& view);
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
+  /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame.
+  std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics);
+  /// The reference's path tracer as a competitor, at the pixels of the last frame, along the paths that the technique models. Not longer than the session.
+  std::unique_ptr<ProgressiveTracer> progressiveTracer(uint64_t seed);
+  /// Pixels that see a surface: what errors are means over.
+  uint64_t surfacePixels();
+  unsigned hostThreads() const;             ///< that path tracing and host passes use
   Image errorMap(const std::string& metric, const std::string& reference);
+  /// Renders so many frames as things stand, and says how much the indirect and the final picture's luminance varied over them: metric "flicker" against
+  /// "itself", for the whole image and each region. @throws Error(BadInput) for fewer than two frames.
+  std::vector<ErrorValue> measureFlicker(int frames, Progress* = nullptr);
+  /// That the scene has what the step changes. @throws Error(BadInput) for an unknown key, a value out of range, or a scene without lights to edit.
+  void checkStep(const Step&) const;
+  /// Settles after the step and before it, then takes the step and renders until nothing changes any more, at most `mostFrames` frames. The step stays.
+  /// @throws Error(BadInput) as checkStep.
+  StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
 
  private:

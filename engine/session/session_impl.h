@@ -36,6 +36,7 @@ struct SurfaceImages {
 
 /// Pixels that see a surface, from the G-buffer's positions.
 Mask maskOf(const Image& position);
+bool anySet(const Mask&);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
@@ -78,7 +79,8 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
-  double msSinceReset = 0;
+  double msSinceReset = 0, prepareMs = 0, settledMs = 0;
+  uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
   BatchTimings lastTimings;
   double workMs = 0;           ///< in the current bake, for the time left
@@ -106,6 +108,7 @@ struct Session::Impl {
   std::shared_ptr<const std::vector<ConvergencePoint>> convergence = std::make_shared<std::vector<ConvergencePoint>>();
   double lastMeasurementMs = -1e9, measurementMs = 0;  ///< when the last one was due; what it took
   bool measuredSettled = false;  ///< the errors are those of the settled state
+  int framesToMeasure = 0;       ///< until a settled picture that is shown in another way is measured again; 0: it need not be
 
   // edits.cpp
   void install(std::shared_ptr<Scene>, Progress&);
@@ -135,7 +138,13 @@ struct Session::Impl {
   // frame.cpp
   void addConvergencePoint();
 
+  // errors.cpp
+  std::vector<std::pair<std::string, Mask>> regionMasks(const Mask& surfaces) const;  ///< the whole image ("") first, then each region that shows a surface
+  Appearance appearance() const;  ///< of the picture as it is shown
+  Image errorMap(const std::string& metric, bool againstFull);
+
   // images.cpp
+  std::vector<Receiver> receivers();
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none

@@ -8,8 +8,10 @@
 namespace hl {
 
 std::unique_ptr<Tracer> makeEmbreeTracer(std::shared_ptr<const EmbreeScene>, TaskPool&);
-/// Keeps a reference to the GpuScene (alpha tests): it must outlive the tracer.
 std::unique_ptr<Tracer> makeBvhTracer(Device&, const Scene&, const GpuScene&, TaskPool&, Progress*);
+
+/// @throws Error(Device) where the device has no ray tracing pipelines.
+std::unique_ptr<Tracer> makePipelineTracer(Device&, const Scene&, const GpuScene&);
 
 /// @throws Error(BadInput) naming the pass, where a buffer is too small for the batch.
 void checkBatch(const std::string& pass, const Buffer& rays, const Buffer& out, uint32_t count, Query);

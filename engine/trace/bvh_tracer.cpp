@@ -72,7 +72,7 @@ class BvhTracer final : public Tracer {
   }
 
  private:
-  const GpuScene& gpuScene_;
+  const GpuScene gpuScene_;  // handles; the scene itself may have moved by the time rays are cast
   Buffer nodes_, triangles_;
   uint32_t stackSize_ = 1, raysPerThread_ = 1;
   bool alpha_ = false;

@@ -32,20 +32,24 @@ void checkBatch(const std::string& pass, const Buffer& rays, const Buffer& out, 
   checkSize(pass, out, uint64_t{count} * (query == Query::Closest ? sizeof(shared::Hit) : sizeof(uint32_t)));
 }
 
-std::vector<TracerListing> listTracers(const Device&) {
-  // Both need nothing that the engine does not already ask of every device.
-  return {{"embree", true, ""}, {"bvh", true, ""}};
+std::vector<TracerListing> listTracers(const Device& device) {
+  // embree and bvh need nothing that the engine does not already ask of every device.
+  const bool rays = device.rayPipelines();
+  return {{"embree", true, ""}, {"bvh", true, ""}, {"pipeline", rays, rays ? "" : "this device has no ray tracing pipelines"}};
 }
 
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device& device, ShaderLibrary&, const Scene& scene,
                                    const GpuScene& gpuScene, std::shared_ptr<const EmbreeScene> embree, TaskPool& pool,
                                    Progress* progress) {
-  const std::string chosen = id == "auto" ? (device.isCpu() ? "embree" : "bvh") : id;
+  const std::string chosen = id == "auto" ? (device.isCpu() ? "embree" : device.rayPipelines() ? "pipeline" : "bvh") : id;
   if (chosen == "embree") {
     if (!embree) embree = std::make_shared<const EmbreeScene>(scene, progress);
     return makeEmbreeTracer(std::move(embree), pool);
   }
   if (chosen == "bvh") return makeBvhTracer(device, scene, gpuScene, pool, progress);
+  if (chosen == "pipeline" && device.rayPipelines()) return makePipelineTracer(device, scene, gpuScene);
+  for (const TracerListing& t : listTracers(device))
+    if (t.id == chosen) throw badInput("tracer \"" + id + "\" is not available: " + t.reason + "; there are auto, " + available(device));
   throw badInput("unknown tracer \"" + id + "\": available are auto, " + available(device));
 }
 

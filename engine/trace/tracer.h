@@ -19,7 +19,7 @@ enum class Query { Closest, Any };
 class Tracer {
  public:
   virtual ~Tracer() = default;
-  virtual const char* id() const = 0;  ///< "embree", "bvh"
+  virtual const char* id() const = 0;  ///< "embree", "bvh", "pipeline"
   /// Adds the pass `name` to the graph. rays: `count` shared::Ray. Closest: `out` holds `count` shared::Hit. Any: `out` holds `count` uints, 1 where
   /// something lies between tMin and tMax, else 0. Alpha-tested surfaces count only where they are opaque.
   virtual void record(FrameGraph&, const std::string& name, const Buffer& rays, const Buffer& out, uint32_t count, Query) = 0;
@@ -36,8 +36,8 @@ struct TracerListing {
   std::string reason;  ///< why not
 };
 std::vector<TracerListing> listTracers(const Device&);
-/// `id` "auto": embree on a CPU device, else bvh (until `pipeline` exists). `embree` may be shared with the reference.
-/// Scene and GpuScene must outlive the tracer. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
+/// `id` "auto": embree on a CPU device, else pipeline where there is one, else bvh. `embree` may be shared with the reference.
+/// The tracer keeps handles of the GpuScene, and nothing of the Scene. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<const EmbreeScene> embree,
                                    TaskPool&, Progress* = nullptr);
 

@@ -17,15 +17,21 @@ HL_INLINE float reinhardCurve(float x) { return x / (1.0f + x); }
 /// IEC 61966-2-1, of a value in [0, 1].
 HL_INLINE float srgbEncode(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f; }
 
-/// A finite value after exposure, to [0, 1].
-HL_INLINE float displayValue(float x, uint curve) {
+/// Undoes srgbEncode.
+HL_INLINE float srgbDecode(float x) { return x <= 0.04045f ? x / 12.92f : pow((x + 0.055f) / 1.055f, 2.4f); }
+
+/// A finite value after exposure, to what a screen gives off: linear, in [0, 1].
+HL_INLINE float toneMapped(float x, uint curve) {
   float y = max(x, 0.0f);
   // The curves' own quotients overflow long before a float does; there they have reached their limit.
   y = min(y, 1e9f);
   if (curve == kToneMapAces) y = acesCurve(y);
   if (curve == kToneMapReinhard) y = reinhardCurve(y);
-  return srgbEncode(clamp(y, 0.0f, 1.0f));
+  return clamp(y, 0.0f, 1.0f);
 }
+
+/// ... and to the signal that makes a screen do so.
+HL_INLINE float displayValue(float x, uint curve) { return srgbEncode(toneMapped(x, curve)); }
 
 // Where something is wrong with a pixel, in display values.
 #ifdef __cplusplus

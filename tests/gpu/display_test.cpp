@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/passes/error_colours.h"
 #include "tests/gpu_fixture.h"
 
 namespace hl {
@@ -200,10 +201,32 @@ TEST(FalseColour, RunsFromDarkVioletToYellow) {
   }
 }
 
+/// Each metric has its colours: an end of its own where it has one, a colour a sign, and the quantile elsewhere.
+TEST(ErrorColours, FollowTheMetric) {
+  Image map(200, 1, 1);
+  for (size_t i = 0; i < 200; ++i) map.data[i] = static_cast<float>(i) / 199;
+  const auto colour = [](const std::vector<unsigned char>& out, size_t i) { return std::vector<unsigned char>(out.begin() + 4 * i, out.begin() + 4 * i + 3); };
+  const std::vector<unsigned char> black = {0, 0, 4}, brightest = {0xfc, 0xfd, 0xbf}, yellow = {0xfd, 0xe7, 0x25}, magenta = {255, 0, 255};
+  const auto flip = errorColours(map, metricInfo("flip")), ssim = errorColours(map, metricInfo("ssim"));
+  EXPECT_EQ(colour(flip, 0), black);
+  EXPECT_EQ(colour(flip, 199), brightest);
+  EXPECT_EQ(colour(ssim, 0), brightest) << "a similarity of 0 is the worst";
+  EXPECT_EQ(colour(ssim, 199), black);
+  for (float& v : map.data) v *= 1e-3f;
+  EXPECT_NE(colour(errorColours(map, metricInfo("flip")), 199), brightest) << "its scale is fixed";
+  EXPECT_EQ(colour(errorColours(map, metricInfo("relmse")), 199), yellow) << "its scale is the map's";
+  map.data[0] = -1e-3f, map.data[1] = 1e-3f, map.data[2] = 0, map.data[3] = kNan;
+  const auto bias = errorColours(map, metricInfo("bias"));
+  EXPECT_GT(colour(bias, 0)[2], colour(bias, 0)[0] + 80) << "below: blue";
+  EXPECT_GT(colour(bias, 1)[0], colour(bias, 1)[2] + 80) << "above: orange";
+  EXPECT_EQ(colour(bias, 2)[0], colour(bias, 2)[2]);
+  EXPECT_EQ(colour(bias, 3), magenta);
+}
+
 TEST(SignedColour, IsBlueBelowOrangeAboveAndEquallyDarkAtBothEnds) {
   Image ramp(129, 1, 1);
   for (size_t i = 0; i < 129; ++i) ramp.data[i] = (static_cast<float>(i) - 64) / 32;  // -2 to 2
-  const auto c = signedColour(ramp, 2);
+  const auto c = falseColour(ramp, 2, ColourScale::Signed);
   const auto luminance = [&](size_t i) { return (0.2126 * c[4 * i] + 0.7152 * c[4 * i + 1] + 0.0722 * c[4 * i + 2]) / 255; };
   EXPECT_EQ(c[4 * 64], c[4 * 64 + 2]);
   for (size_t i = 1; i <= 64; ++i) {
@@ -215,12 +238,12 @@ TEST(SignedColour, IsBlueBelowOrangeAboveAndEquallyDarkAtBothEnds) {
   }
   Image beyond(3, 1, 3);
   beyond.data = {99, 99, 99, -99, -99, -99, kNan, 0, 0};
-  const auto ends = signedColour(beyond, 1);
+  const auto ends = falseColour(beyond, 1, ColourScale::Signed);
   EXPECT_TRUE(std::equal(ends.begin(), ends.begin() + 4, c.begin() + 4 * 128));
   EXPECT_TRUE(std::equal(ends.begin() + 4, ends.begin() + 8, c.begin()));
   EXPECT_EQ(ends[8], 255);
   EXPECT_EQ(ends[9], 0);
-  EXPECT_EQ(test::errorOf([&] { signedColour(beyond, 0); }).kind(), ErrorKind::BadInput);
+  EXPECT_EQ(test::errorOf([&] { falseColour(beyond, 0, ColourScale::Signed); }).kind(), ErrorKind::BadInput);
   EXPECT_EQ(colourScale(beyond), 99);
 }
 

@@ -120,6 +120,13 @@ class TracerParity : public ::testing::Test {
     b->scene = std::move(scene);
     b->gpuScene = uploadScene(*device, b->scene);
     for (const TracerListing& listing : listTracers(*device)) {
+      if (listing.id == "pipeline" && !device->rayPipelines()) {
+        // Whether a device has these is its own affair; that the tracer is refused with the reason is not.
+        EXPECT_FALSE(listing.available);
+        EXPECT_FALSE(listing.reason.empty());
+        EXPECT_THROW(makeTracer(listing.id, *device, *shaders, b->scene, b->gpuScene, nullptr, pool), Error);
+        continue;
+      }
       EXPECT_TRUE(listing.available) << listing.id << ": " << listing.reason;
       b->tracers.push_back(makeTracer(listing.id, *device, *shaders, b->scene, b->gpuScene, nullptr, pool));
     }
@@ -164,7 +171,9 @@ class TracerParity : public ::testing::Test {
       }
       EXPECT_EQ(wrong, 0u) << what;
       EXPECT_EQ(wrongAny, 0u) << what;
-      EXPECT_LE(static_cast<double>(count.undecided), mostUndecided * static_cast<double>(rays.size())) << what;
+      // A driver's own test of triangles shares none of our rounding: on an H200 it decides 4 times as many axis-parallel rays otherwise.
+      const double undecidedHere = std::string(b.tracers[k]->id()) == "pipeline" ? 5 * mostUndecided : mostUndecided;
+      EXPECT_LE(static_cast<double>(count.undecided), undecidedHere * static_cast<double>(rays.size())) << what;
       EXPECT_LE(static_cast<double>(count.coincident), mostCoincident * static_cast<double>(rays.size())) << what;
       printf("  %-4s %-28s %6zu rays, %5.1f %% hit, ties: %zu coincident, %zu undecided\n", b.tracers[k]->id(), what,
              rays.size(), 100.0 * static_cast<double>(count.hits) / static_cast<double>(rays.size()), count.coincident,

@@ -1,6 +1,7 @@
 // The Session as a person drives it: edits that fail leave it as it was, edits that undo each other give the same picture.
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "engine/session/session_thread.h"
 #include "tests/session_fixture.h"
@@ -124,6 +125,114 @@ TEST_F(SessionTest, ReferenceIsCachedAndErrorsAreMeasuredAgainstIt) {
   const auto texels = session->measureErrors({"bias"}, "lightmap");
   ASSERT_EQ(texels.size(), 1u);
   EXPECT_LT(std::abs(texels[0].value), 0.03);
+}
+
+/// Every metric for the whole image and each region, of both components; a lightmap's by area, laid out as it lies.
+TEST_F(SessionTest, EveryMetricIsMeasuredInEveryRegion) {
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  auto session = makeSession();
+  session->load(preset);
+  session->settle();
+  session->reference();
+  std::vector<std::string> all;
+  for (const MetricInfo& m : metricInfos()) all.emplace_back(m.id);
+  const auto errors = session->measureErrors(all);
+  const size_t regions = session->scene().regions.size();
+  ASSERT_GE(regions, 2u);
+  for (const std::string& metric : all)
+    for (const char* component : {"indirect", "final"})
+      for (const char* reference : {"matched", "full"}) {
+        std::set<std::string> places;
+        for (const ErrorValue& e : errors)
+          if (e.metric == metric && e.component == component && e.reference == reference) {
+            EXPECT_FALSE(std::isnan(e.value)) << metric;  // psnr is infinite where the reference's noise hides what error there is
+            EXPECT_EQ(metricInfo(metric).squared, std::isfinite(e.noiseFloor)) << metric;
+            EXPECT_EQ(metricInfo(metric).windowed, std::isnan(e.standardError)) << metric;
+            places.insert(e.roi);
+          }
+        EXPECT_EQ(places.size(), regions + 1) << metric << " " << component << " " << reference;
+      }
+  // The map's mean over what counts is the value.
+  for (const char* metric : {"ssim", "flip", "flip_hdr", "l_star_mse", "dfpr", "relmse"}) {
+    const Image map = session->errorMap(metric, "matched");
+    const Image position = session->image("normal");
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < map.pixels(); ++i) {
+      const float* n = &position.data[i * 3];
+      if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
+      sum += static_cast<double>(map.data[i]), ++count;
+    }
+    for (const ErrorValue& e : errors)
+      if (e.metric == metric && e.component == "indirect" && e.reference == "matched" && e.roi.empty()) {
+        EXPECT_NEAR(sum / count, e.value, 1e-5 * std::fabs(e.value)) << metric;
+      }
+  }
+  session->reference("lightmap");
+  const auto texels = session->measureErrors(all, "lightmap");
+  ASSERT_EQ(texels.size(), all.size());
+  for (const ErrorValue& e : texels) EXPECT_TRUE(std::isfinite(e.value)) << e.metric;
+
+  // The picture's metrics follow how it is shown; the others do not.
+  Display display = preset.display;
+  display.exposure = -2, display.toneMap = ToneMap::Aces;
+  session->setDisplay(display);
+  const auto dimmed = session->measureErrors(all);
+  ASSERT_EQ(dimmed.size(), errors.size());
+  for (size_t i = 0; i < errors.size(); ++i) {
+    const std::string& m = errors[i].metric;
+    const bool shown = m == "ssim" || m == "flip" || m == "l_star_mse" || m == "dfpr";
+    EXPECT_EQ(shown, errors[i].value != dimmed[i].value) << m << " " << errors[i].component << " " << errors[i].roi;
+  }
+  display.errorMetric = "sparkle";
+  EXPECT_THROW(session->setDisplay(display), Error);
+}
+
+/// The error views show the map of the metric that is asked for, and each looks different.
+TEST_F(SessionTest, ErrorViewsShowTheChosenMetric) {
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  auto session = makeSession();
+  session->load(preset);
+  session->settle();
+  session->reference();
+  std::set<std::string> pictures;
+  for (const MetricInfo& m : metricInfos()) {
+    preset.display.view = "error", preset.display.errorMetric = m.id;
+    session->setDisplay(preset.display);
+    pictures.insert(session->frame()->displayHash);
+  }
+  // psnr's map is mse's.
+  EXPECT_EQ(pictures.size(), metricInfos().size() - 1);
+}
+
+/// A lightmap that is done does not flicker, and neither does no indirect light; what a step of the light leaves has an end.
+TEST_F(SessionTest, FlickerAndStepResponse) {
+  auto session = makeSession();
+  for (const char* technique : {"radiosity", "none"}) {
+    session->load(smallPreset("point_light_cube", technique));
+    session->settle();
+    const auto flicker = session->measureFlicker(5);
+    ASSERT_GE(flicker.size(), 2u);
+    for (const ErrorValue& e : flicker) {
+      EXPECT_EQ(e.value, 0) << technique << " " << e.component;
+      EXPECT_EQ(e.metric, "flicker");
+    }
+    const StepReport step = session->measureStep(parseStep("lights=0.25"), 1000);
+    if (std::string(technique) == "none") {
+      EXPECT_EQ(step.size, 0);
+      continue;
+    }
+    EXPECT_GT(step.size, 0);
+    ASSERT_TRUE(step.frames5 && step.frames1 && step.ms1);
+    EXPECT_TRUE(step.settled);
+    EXPECT_LE(*step.frames5, *step.frames1);
+    EXPECT_NEAR(step.left.front(), 0.25 / 0.75, 1e-6) << "the first frame is drawn before the bake has begun again, without indirect light";
+    EXPECT_EQ(step.left.back(), 0) << "the same bake as the one before";
+  }
+  EXPECT_THROW(session->measureFlicker(1), Error);
+  for (const char* bad : {"lights", "=1", "lights=", "lights=-1", "lights=nan", "lights=1", "lights=2x"}) EXPECT_THROW(parseStep(bad), Error) << bad;
+  EXPECT_THROW(session->checkStep(parseStep("radiosity.nothing=1")), Error);
+  session->load(smallPreset("cornell_box", "none"));
+  EXPECT_THROW(session->checkStep(parseStep("lights=2")), Error);  // lit by a surface alone
 }
 
 /// A reference that was left half-way is found again by the next session, and one that is done outlives what does not concern it.

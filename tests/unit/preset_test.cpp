@@ -39,7 +39,7 @@ TEST(Preset, ReadsEveryPart) {
   const Preset p = presetFromJson(
       R"({"version": 1, "scene": "cornell_box", "camera": "front", "resolution": [320, 180], "seed": 4294967295,
           "technique": "none", "parameters": {"lightmap.resolution": 512, "direct.ray_offset": 0.0001},
-          "display": {"exposure": -1.5, "view": "direct", "tone_map": "aces", "show_invalid": true}})",
+          "display": {"exposure": -1.5, "view": "direct", "tone_map": "aces", "show_invalid": true, "error_metric": "flip"}})",
       "p.json");
   EXPECT_EQ(p.scene, "cornell_box");
   EXPECT_EQ(p.cameraName, "front");
@@ -53,6 +53,7 @@ TEST(Preset, ReadsEveryPart) {
   EXPECT_EQ(p.display.toneMap, ToneMap::Aces);
   EXPECT_EQ(p.display.view, "direct");
   EXPECT_TRUE(p.display.showInvalid);
+  EXPECT_EQ(p.display.errorMetric, "flip");
   EXPECT_TRUE(p.warnings.empty());
 }
 
@@ -146,6 +147,7 @@ TEST(Preset, RefusalsNameFilePathAndWhatWouldBeRight) {
             "p.json: resolution: [width, height] is wanted, not an array of 1");
   EXPECT_EQ(refusalOf(with(R"("resolution": [10.5, 10])")),
             "p.json: resolution[0]: a whole number in [1, 8192] is wanted, not the number 10.5");
+  EXPECT_NE(refusalOf(with(R"("display": {"error_metric": "flipp"})")).find("p.json: display.error_metric: unknown metric 'flipp'; did you mean 'flip'?"), std::string::npos);
   EXPECT_EQ(refusalOf(with(R"("seed": -1)")), "p.json: seed: -1 is out of range [0, 4294967295]");
   EXPECT_EQ(refusalOf(with(R"("seed": "1")")),
             "p.json: seed: a whole number in [0, 4294967295] is wanted, not the text \"1\"");

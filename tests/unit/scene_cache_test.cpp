@@ -101,7 +101,7 @@ TEST_F(SceneCache, DamageIsFoundAndRepaired) {
   repaired(whole + "x", 1);
   repaired("some other program's file, long enough to hold a header of ours and then some more", 1);
   std::string older = whole;
-  older[16] = static_cast<char>(older[16] + 1);  // the version: no damage, merely of no use
+  older[17] = static_cast<char>(older[17] + 1);  // the version: no damage, merely of no use
   repaired(older, 0);
 }
 

@@ -11,10 +11,16 @@
 namespace hl {
 namespace {
 
-constexpr uint32_t kUnitRays = 1u << 17;        ///< rays a unit casts: some 30 ms on two cores in a large scene
-constexpr uint32_t kUnitCached = 1u << 21;      ///< remembered rays that a unit reads back
-constexpr uint32_t kUnitLumels = 1u << 15;      ///< at most, however few samples each has
-constexpr uint32_t kDirectRays = 1u << 17;      ///< shadow rays a unit casts
+/// What a unit does: some 30 ms on two cores in a large scene; some milliseconds on a GPU, where a unit that is too small is all submission.
+struct UnitSize {
+  uint32_t rays;        ///< cast
+  uint32_t cached;      ///< remembered rays that are read back
+  uint32_t lumels;      ///< at most, however few samples each has
+  uint32_t directRays;  ///< shadow rays cast
+};
+constexpr UnitSize kUnitOnCpu{1u << 17, 1u << 21, 1u << 15, 1u << 17}, kUnitOnGpu{1u << 22, 1u << 26, 1u << 20, 1u << 21};
+
+UnitSize unitSize(const Device& device) { return device.isCpu() ? kUnitOnCpu : kUnitOnGpu; }
 
 uint32_t groups(uint32_t n, uint32_t size) { return (n + size - 1) / size; }
 
@@ -29,8 +35,11 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   const auto samples = static_cast<uint32_t>(params.samples);
   // Elsewhere the host would have to be given a copy of the whole cache.
   const bool onHost = scene.tracer.onHost() && device_.isCpu();
-  castLumels_ = std::clamp(kUnitRays / samples, 1u, kUnitLumels);
-  cachedLumels_ = std::clamp(kUnitCached / samples, 1u, kUnitLumels);
+  const UnitSize unit = unitSize(device_);
+  // The device's largest buffer bounds a batch as well.
+  const auto largest = static_cast<uint32_t>(std::min<uint64_t>(unit.rays, device_.maxStorageBufferBytes() / sizeof(shared::Ray)));
+  castLumels_ = std::clamp(largest / samples, 1u, unit.lumels);
+  cachedLumels_ = std::clamp(unit.cached / samples, 1u, unit.lumels);
   checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
   checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
   if (!onHost && 2 * scene.scene.triangles() > device_.maxTexelBufferElements())
@@ -130,14 +139,14 @@ uint32_t RadiosityBake::directSamples() const {
 }
 
 /// Lumels a unit of direct light takes: all of them in turn, then the next sample.
-static uint32_t directLumels(const GpuScene& scene) {
+static uint32_t directLumels(const Device& device, const GpuScene& scene) {
   const uint32_t rays = std::max(1u, scene.lightCount + (scene.emitterCount > 0 ? 1u : 0u) + 1u);
-  return std::max(1u, kDirectRays / rays);
+  return std::max(1u, unitSize(device).directRays / rays);
 }
 
 uint64_t RadiosityBake::directUnits() const {
-  const uint64_t left = groups(lumels_ - directFirst_, directLumels(scene_.gpuScene));
-  const uint64_t whole = groups(lumels_, directLumels(scene_.gpuScene));
+  const uint64_t left = groups(lumels_ - directFirst_, directLumels(device_, scene_.gpuScene));
+  const uint64_t whole = groups(lumels_, directLumels(device_, scene_.gpuScene));
   return directSample_ >= directSamples() ? 0 : left + (directSamples() - directSample_ - 1) * whole;
 }
 
@@ -208,7 +217,7 @@ void RadiosityBake::recordUnit(FrameGraph& graph) {
 }
 
 void RadiosityBake::recordDirect(FrameGraph& graph) {
-  const uint32_t count = std::min(directLumels(scene_.gpuScene), lumels_ - directFirst_);
+  const uint32_t count = std::min(directLumels(device_, scene_.gpuScene), lumels_ - directFirst_);
   scene_.directLight.record(graph, "radiosity: direct light", points_, direct_, directFirst_, count, scene_.seed, directSample_);
   directFirst_ += count;
   if (directFirst_ == lumels_) directFirst_ = 0, ++directSample_;

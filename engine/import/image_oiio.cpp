@@ -76,7 +76,7 @@ std::string asciiOf(const std::string& key, std::string text, const std::filesys
 
 }  // namespace
 
-Image readWithOiio(const std::filesystem::path& file, bool srgbToLinear) {
+extern "C" Image halflight_read_image(const std::filesystem::path& file, bool srgbToLinear) {
   limitThreads();
   OIIO::ImageSpec asStored;
   asStored.attribute("oiio:UnassociatedAlpha", 1);  // else colours come back multiplied by alpha
@@ -99,7 +99,7 @@ Image readWithOiio(const std::filesystem::path& file, bool srgbToLinear) {
   return image;
 }
 
-void writeWithOiio(const std::filesystem::path& to, const std::filesystem::path& shown, const Image& image) {
+extern "C" void halflight_write_image(const std::filesystem::path& to, const std::filesystem::path& shown, const Image& image) {
   limitThreads();
   const bool png = to.extension() == ".png" || to.extension() == ".PNG";
   OIIO::ImageSpec spec(image.width, image.height, image.channels, png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);

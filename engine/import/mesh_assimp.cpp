@@ -229,8 +229,8 @@ std::string oneLine(std::string text) {
 
 }  // namespace
 
-AssimpMesh readWithAssimp(const std::filesystem::path& file, std::string_view bytes, double scale, Progress* progress,
-                          std::vector<ImportInput>& inputs) {
+extern "C" AssimpMesh halflight_read_mesh(const std::filesystem::path& file, std::string_view bytes, double scale, Progress* progress,
+                                          std::vector<ImportInput>& inputs) {
   const bool gltf = file.extension() != ".obj" && file.extension() != ".OBJ";
   Assimp::Importer importer;
   importer.SetIOHandler(new ImportFiles(file.string(), bytes, gltf, inputs));  // the importer owns it

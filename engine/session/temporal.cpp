@@ -1,0 +1,128 @@
+// What a picture does over frames: flicker while nothing changes, and how it follows a step of the light or of a parameter.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "engine/metrics/temporal.h"
+#include "engine/session/session_impl.h"
+
+namespace hl {
+namespace {
+
+struct Lights {
+  std::vector<PointLight> points;
+  std::vector<SpotLight> spots;
+  std::vector<DirectionalLight> directionals;
+  vec3 sky{0.0f};
+
+  explicit Lights(const Scene& s) : points(s.pointLights), spots(s.spotLights), directionals(s.directionalLights), sky(s.sky) {}
+  bool any() const { return !points.empty() || !spots.empty() || !directionals.empty() || sky != vec3(0); }
+  Lights times(float factor) const {
+    Lights out = *this;
+    for (PointLight& l : out.points) l.intensity *= factor;
+    for (SpotLight& l : out.spots) l.intensity *= factor;
+    for (DirectionalLight& l : out.directionals) l.irradiance *= factor;
+    out.sky *= factor;
+    return out;
+  }
+  void applyTo(Session& session) const { session.setLights(points, spots, directionals, sky); }
+};
+
+}  // namespace
+
+Step parseStep(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw badInput(fmt::format("step {}: lights=FACTOR or KEY=VALUE is wanted, as in lights=0.5", text));
+  Step step{text.substr(0, equals), text.substr(equals + 1)};
+  if (!step.ofLights()) return step;
+  const auto end = std::from_chars(step.value.data(), step.value.data() + step.value.size(), step.factor);
+  if (end.ec != std::errc() || end.ptr != step.value.data() + step.value.size() || !(step.factor >= 0) || !std::isfinite(step.factor) || step.factor == 1)
+    throw badInput(fmt::format("step {}: lights are multiplied by a number from 0 on, other than 1", text));
+  return step;
+}
+
+std::vector<ErrorValue> Session::measureFlicker(int frames, Progress* progress) {
+  Impl& s = *impl_;
+  Progress& p = progress ? *progress : *s.progress;
+  if (frames < 2) throw badInput(fmt::format("flicker: at least two frames are wanted, not {}", frames));
+  FlickerMeter indirect, final;
+  for (int i = 0; i < frames; ++i) {
+    p.check();
+    frame(&p);
+    indirect.add(s.indirectIrradiance());
+    final.add(s.device.download(s.finalImage));
+  }
+  std::vector<ErrorValue> out;
+  for (const auto& [region, mask] : s.regionMasks(s.surfaceMask()))
+    for (const bool ofFinal : {false, true}) {
+      const FlickerResult r = (ofFinal ? final : indirect).result(mask);
+      ErrorValue e;
+      e.reference = "itself", e.target = "image", e.component = ofFinal ? "final" : "indirect", e.metric = "flicker", e.roi = region;
+      e.value = r.value, e.nonFinite = r.nonFinite;
+      e.noiseFloor = e.standardError = std::numeric_limits<double>::quiet_NaN();
+      out.push_back(e);
+    }
+  return out;
+}
+
+void Session::checkStep(const Step& step) const {
+  if (!step.ofLights()) {
+    parseParam(*impl_->params.find(step.key).info, step.value);
+  } else if (!Lights(*impl_->scene).any()) {
+    throw badInput("step of the lights: the scene has none but surfaces that shine, and those cannot be edited");
+  }
+}
+
+StepReport Session::measureStep(const Step& step, int mostFrames, Progress* progress) {
+  Impl& s = *impl_;
+  Progress& p = progress ? *progress : *s.progress;
+  checkStep(step);
+  const Lights lights(*s.scene);
+  const bool referenceWanted = s.referenceWanted;
+  s.referenceWanted = false;  // its slices would stretch the frames
+  std::string before;
+  if (!step.ofLights()) {
+    const ParamSet::Found found = s.params.find(step.key);
+    before = formatParam(*found.info, found.view->get(*found.info));
+  }
+  const auto apply = [&](bool on) {
+    if (step.ofLights()) return (on ? lights.times(step.factor) : lights).applyTo(*this);
+    setParam(step.key, on ? step.value : before);
+  };
+  // Both ends first, so that each frame is compared with where the picture will be and none has to be kept.
+  apply(true);
+  settle(&p);
+  const Image after = s.indirectIrradiance();
+  apply(false);
+  settle(&p);
+  const Mask mask = s.surfaceMask();
+  const Image now = s.indirectIrradiance();
+  apply(true);
+  StepReport report;
+  if (now.data == after.data) {
+    s.referenceWanted = referenceWanted;
+    return report;
+  }
+  TransientMeter meter(now, after, anySet(mask) ? mask : Mask());
+  std::vector<double> ms;
+  const double start = nowMs();
+  for (int i = 0; i < mostFrames; ++i) {
+    p.check();
+    const auto result = frame(&p);
+    ms.push_back(nowMs() - start);
+    meter.add(s.indirectIrradiance());
+    report.settled = result->settled;
+    if (report.settled) break;
+  }
+  s.referenceWanted = referenceWanted;
+  const StepResponse r = meter.result();
+  report.size = r.size, report.left = r.left, report.frames5 = r.frames5, report.frames1 = r.frames1;
+  if (r.frames5) report.ms5 = ms[*r.frames5 - 1];
+  if (r.frames1) report.ms1 = ms[*r.frames1 - 1];
+  return report;
+}
+
+}  // namespace hl
