@@ -277,7 +277,9 @@ TEST_F(SessionTest, ErrorsAreMeasuredForRegionsThatWereSet) {
   session->settle();
   const std::vector<Region> bad[] = {{{"a", 0.5f, 0, 0.6f, 1}}, {{"a", 0, 0, 0, 1}}, {{"", 0, 0, 1, 1}}, {{"a", 0, 0, 1, 1}, {"a", 0, 0, 1, 1}}, {{"a", -0.1f, 0, 1, 1}}};
   for (const std::vector<Region>& regions : bad) EXPECT_THROW(session->setRegions(regions), Error);
-  session->setRegions({{"left", 0, 0, 0.5f, 1}, {"all", 0, 0, 1, 1}});
+  const size_t own = session->scene().regions.size();
+  EXPECT_GT(own, 0u);
+  session->setRegions(std::vector<Region>{{"left", 0, 0, 0.5f, 1}, {"all", 0, 0, 1, 1}});
   const auto frame = session->frame();
   ASSERT_EQ(frame->scene->regions.size(), 2u);
   std::map<std::string, double> relmse;
@@ -286,8 +288,13 @@ TEST_F(SessionTest, ErrorsAreMeasuredForRegionsThatWereSet) {
   ASSERT_EQ(relmse.size(), 3u);
   EXPECT_EQ(relmse["all"], relmse[""]);
   EXPECT_NE(relmse["left"], relmse[""]);
-  session->setRegions({});
+  session->setRegions(std::vector<Region>{});
   for (const ErrorValue& e : session->frame()->errors) EXPECT_EQ(e.roi, "");
+  // Kept in the preset; without them the scene's own are there.
+  EXPECT_TRUE(session->preset().regions.has_value());
+  session->setRegions(std::nullopt);
+  EXPECT_EQ(session->frame()->scene->regions.size(), own);
+  EXPECT_FALSE(session->preset().regions.has_value());
 }
 
 TEST_F(SessionTest, AReferenceLeftHalfWayGoesOnLater) {
