@@ -35,7 +35,7 @@ class EngineLink : public QObject {
   virtual void setReferenceWanted(bool) = 0;
   /// FrameResult::images of the frames from now on; one frame comes at once, paused or not.
   virtual void setImagesWanted(const std::vector<std::string>& names) = 0;
-  virtual void setRegions(const std::vector<Region>&) = 0;
+  virtual void setRegions(const std::optional<std::vector<Region>>&) = 0;  ///< none: the scene's
   virtual void setWorkPaused(bool) = 0;
   virtual void cancelWork() = 0;
   virtual void restartWork() = 0;

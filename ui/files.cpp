@@ -11,7 +11,6 @@
 #include "engine/scene/scene_file.h"
 
 namespace hl::ui {
-namespace {
 
 std::string provenanceJson(const FrameResult& f) {
   const Provenance& p = f.provenance;
@@ -24,8 +23,6 @@ std::string provenanceJson(const FrameResult& f) {
                       {"image_hash", text(f.displayHash)}};
   return QJsonDocument(o).toJson(QJsonDocument::Compact).toStdString();
 }
-
-}  // namespace
 
 void writeScreenshot(const FrameResult& frame, const Preset& preset, const std::filesystem::path& path) {
   if (frame.display.empty()) throw Error(ErrorKind::Run, "screenshot: there is no frame yet");

@@ -1,6 +1,7 @@
 #include "ui/main_window.h"
 
 #include <QApplication>
+#include <QDialog>
 #include <QDockWidget>
 #include <QLabel>
 #include <QMetaObject>
@@ -13,6 +14,7 @@
 
 #include "engine/scene/scene_file.h"
 #include "ui/error_dock.h"
+#include "ui/inspector.h"
 #include "ui/log_dock.h"
 #include "ui/preset_actions.h"
 #include "ui/profiler_dock.h"
@@ -59,6 +61,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   buildMenus();
   buildStatusBar();
   connectEngine();
+  connectTools();
   restoreLayout();
   updateTitle();
   viewport_->setWaiting(tr("Starting the engine..."));
@@ -71,7 +74,11 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   document_.open(fileToOpen);
 }
 
-MainWindow::~MainWindow() = default;
+/// Panels and dialogs first: they still use what this window has.
+MainWindow::~MainWindow() {
+  for (QDialog* dialog : findChildren<QDialog*>(QString(), Qt::FindDirectChildrenOnly)) delete dialog;
+  for (QDockWidget* dock : docks_) delete dock;
+}
 
 void MainWindow::buildStatusBar() {
   status_ = new QLabel(this);
@@ -208,6 +215,7 @@ void MainWindow::updatePanels() {
   technique_->showFrame(*frame_);
   scenePanel_->showFrame(*frame_);
   errors_->showFrame(frame_);
+  inspector_->showFrame(frame_);
   const Provenance& p = frame_->provenance;
   QString text = tr("%1   %2   %3 \u00d7 %4").arg(QString::fromStdString(p.device), QString::fromStdString(p.tracer)).arg(frame_->width).arg(frame_->height);
   text += QStringLiteral("   ") + (frame_->settled ? tr("settled") : frame_->technique.running ? tr("baking") : frame_->reference.running ? tr("tracing the reference") : tr("rendering"));

@@ -22,9 +22,11 @@ namespace hl::ui {
 
 class ComparePanel;
 class ErrorPanel;
+class InspectorPanel;
 class LogPanel;
 class PresetActions;
 class ProfilerPanel;
+class RegionsEditor;
 class ScenePanel;
 class ShaderWatcher;
 class TechniquePanel;
@@ -80,6 +82,8 @@ class MainWindow : public QMainWindow {
   void updateNotice();
   void updateTitle();
   void holdReference(bool held);
+  void connectTools();
+  void updateRegions();
   void wantReferenceForView();
   void goToBookmark(int number);
   void storeBookmark(int number);
@@ -103,7 +107,9 @@ class MainWindow : public QMainWindow {
   ScenePanel* scenePanel_;
   ProfilerPanel* profiler_;
   ErrorPanel* errors_;
+  RegionsEditor* regions_;
   ComparePanel* comparePanel_;
+  InspectorPanel* inspector_;
   LogPanel* log_;
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;
@@ -112,6 +118,8 @@ class MainWindow : public QMainWindow {
   std::vector<std::pair<QString, QAction*>> layoutActions_;
   QAction* reloadOnChange_ = nullptr;
   QAction* pause_ = nullptr;
+  QAction* regionTool_ = nullptr;
+  QAction* showRegions_ = nullptr;
 
   QLabel* status_ = nullptr;
   QProgressBar* loading_ = nullptr;

@@ -12,11 +12,15 @@
 #include <tuple>
 
 #include "ui/error_dock.h"
+#include "ui/figure_dialog.h"
+#include "ui/inspector.h"
 #include "ui/main_window.h"
 #include "ui/preset_actions.h"
+#include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/shortcuts_dialog.h"
 #include "ui/viewport.h"
+#include "ui/viewport_bar.h"
 
 namespace hl::ui {
 namespace {
@@ -29,6 +33,11 @@ constexpr double kExposureLimit = 20;
 void MainWindow::buildMenus() {
   QMenu* file = menuBar()->addMenu(tr("&File"));
   files_->fill(*file);
+  file->addAction(tr("Export &figure..."), QKeySequence(Qt::CTRL | Qt::Key_E), this, [this] {
+    auto* dialog = new FigureDialog(compare_, document_, feed_, this);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->open();
+  });
   file->addSeparator();
   file->addAction(tr("&Quit"), QKeySequence::Quit, this, &QWidget::close);
 
@@ -48,9 +57,20 @@ void MainWindow::buildMenus() {
     document_.editDisplay(d, tr("invalid pixels"));
   });
   view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] {
+    regionTool_->setChecked(false);
     viewport_->hidePick();
     viewport_->setFocus();
   });
+  regionTool_ = view->addAction(tr("Draw regions"), QKeySequence(Qt::Key_R), this, [] {});
+  regionTool_->setCheckable(true);
+  showRegions_ = view->addAction(tr("Show regions"), QKeySequence(Qt::SHIFT | Qt::Key_R), this, [] {});
+  showRegions_->setCheckable(true);
+  connect(regionTool_, &QAction::toggled, this, [this](bool on) {
+    viewport_->setRegionTool(on);
+    if (on) showRegions_->setChecked(true);
+  });
+  connect(showRegions_, &QAction::toggled, this, &MainWindow::updateRegions);
+  bar_->addTool(regionTool_);
   view->addAction(tr("Enlarge the picture"), QKeySequence(Qt::CTRL | Qt::Key_Plus), viewport_, &Viewport::zoomIn);
   view->addAction(tr("Make the picture smaller"), QKeySequence(Qt::CTRL | Qt::Key_Minus), viewport_, &Viewport::zoomOut);
   view->addAction(tr("Whole picture"), QKeySequence(Qt::CTRL | Qt::Key_0), viewport_, &Viewport::zoomToFit);
@@ -123,6 +143,28 @@ void MainWindow::buildCompareMenu() {
   menu->addSeparator();
   menu->addAction(tr("S&wap A and B"), QKeySequence(Qt::Key_X), &compare_, &Compare::swap);
 }
+
+/// Inspector and regions: what the viewport's gestures mean to the docks, and back.
+void MainWindow::connectTools() {
+  connect(viewport_, &Viewport::inspectWanted, this, [this](int x, int y) {
+    auto* dock = findChild<QDockWidget*>(QStringLiteral("inspectorDock"));
+    dock->show();
+    dock->raise();
+    inspector_->inspect(x, y);
+  });
+  connect(inspector_, &InspectorPanel::pixelChanged, viewport_, [this](int x, int y) { viewport_->setMarkedPixel(QPoint(x, y)); });
+  connect(inspector_, &InspectorPanel::referenceNeeded, this, [this] { errors_->setReferenceWanted(true); });
+  connect(viewport_, &Viewport::regionDrawn, this, [this](const QRectF& shares) {
+    showRegions_->setChecked(true);
+    regions_->add(shares);
+    statusBar()->showMessage(tr("Its errors are in the Error dock"), 4000);
+  });
+  connect(regions_, &RegionsEditor::drawWanted, regionTool_, [this] { regionTool_->setChecked(true); });
+  connect(regions_, &RegionsEditor::shown, showRegions_, &QAction::setChecked);
+  connect(&document_, &Document::regionsChanged, this, &MainWindow::updateRegions);
+}
+
+void MainWindow::updateRegions() { viewport_->setRegions(showRegions_->isChecked() ? document_.regions() : std::vector<Region>()); }
 
 void MainWindow::showComparison() {
   const CompareChoice& c = compare_.choice();

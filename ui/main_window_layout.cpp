@@ -7,9 +7,11 @@
 
 #include "ui/compare_dock.h"
 #include "ui/error_dock.h"
+#include "ui/inspector.h"
 #include "ui/log_dock.h"
 #include "ui/main_window.h"
 #include "ui/profiler_dock.h"
+#include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
 #include "ui/technique_dock.h"
@@ -54,6 +56,9 @@ void MainWindow::buildDocks() {
   profiler_ = new ProfilerPanel(palette_, passes_);
   errors_ = new ErrorPanel(link_);
   comparePanel_ = new ComparePanel(compare_, document_);
+  inspector_ = new InspectorPanel(link_, document_, feed_);
+  regions_ = new RegionsEditor(document_);
+  errors_->addPage(regions_, tr("Regions"));
   log_ = new LogPanel;
   setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
   setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
@@ -62,6 +67,7 @@ void MainWindow::buildDocks() {
   addDock(QStringLiteral("profilerDock"), tr("Profiler"), profiler_);
   addDock(QStringLiteral("errorDock"), tr("Error"), errors_);
   addDock(QStringLiteral("compareDock"), tr("Compare"), comparePanel_);
+  addDock(QStringLiteral("inspectorDock"), tr("Inspector"), inspector_);
   addDock(QStringLiteral("logDock"), tr("Log"), log_);
 }
 

@@ -140,7 +140,7 @@ void SessionLink::setImagesWanted(const std::vector<std::string>& names) {
   post("images", [names](Session& s) { s.setImagesWanted(names); });
   thread_->renderOnce();
 }
-void SessionLink::setRegions(const std::vector<Region>& regions) {
+void SessionLink::setRegions(const std::optional<std::vector<Region>>& regions) {
   post("regions", [regions](Session& s) { s.setRegions(regions); });
 }
 void SessionLink::setWorkPaused(bool paused) {

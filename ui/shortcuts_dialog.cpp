@@ -40,6 +40,8 @@ ShortcutsDialog::ShortcutsDialog(const QMenuBar& menus, QWidget* parent) : QDial
       {tr("Enlarge the picture at the pointer"), tr("Ctrl and wheel")},
       {tr("Move an enlarged picture"), tr("Ctrl and left drag, or Ctrl and the arrows")},
       {tr("Move the line of a wipe"), tr("Drag it, or the arrows; with Shift finely")},
+      {tr("Inspect a pixel"), tr("Right click")},
+      {tr("Draw a region of interest"), tr("Ctrl, Shift and left drag; or R, then drag")},
       {tr("Go to a camera"), tr("1 to 9")},
       {tr("Keep the present camera"), tr("Ctrl+1 to Ctrl+9")},
       {tr("Open a preset, scene, mesh or screenshot"), tr("Drop it on the window")},

@@ -71,6 +71,8 @@ void Viewport::setPaused(bool paused) {
 
 void Viewport::hidePick() {
   pickShown_ = false;
+  marked_.reset();
+  bandStart_.reset();
   update();
 }
 
@@ -92,6 +94,64 @@ QRectF Viewport::paneAt(QPointF p) const {
   for (const QRectF& pane : panes)
     if (pane.contains(p)) return pane;
   return panes.front();
+}
+
+void Viewport::setRegions(const std::vector<Region>& regions) {
+  regions_ = regions;
+  update();
+}
+
+void Viewport::setMarkedPixel(std::optional<QPoint> pixel) {
+  marked_ = pixel;
+  update();
+}
+
+void Viewport::setRegionTool(bool on) {
+  regionTool_ = on;
+  bandStart_.reset();
+  on ? setCursor(Qt::CrossCursor) : unsetCursor();
+  update();
+}
+
+QRectF Viewport::drawnShares() const {
+  if (!bandStart_ || image_.isNull()) return {};
+  const QRectF r = view_.place(pictureSize(), paneAt(*bandStart_));
+  const auto edge = [&](double at, double from, double length, int pixels) { return std::clamp(std::round((at - from) / length * pixels), 0.0, static_cast<double>(pixels)); };
+  const double x0 = edge(std::min(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width()), x1 = edge(std::max(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width());
+  const double y0 = edge(std::min(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height()), y1 = edge(std::max(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height());
+  if (x1 - x0 < 1 || y1 - y0 < 1) return {};
+  return {x0 / image_.width(), y0 / image_.height(), (x1 - x0) / image_.width(), (y1 - y0) / image_.height()};
+}
+
+void Viewport::drawOutlines(QPainter& painter) {
+  if (image_.isNull()) return;
+  painter.save();
+  painter.setRenderHint(QPainter::Antialiasing, false);
+  painter.setBrush(Qt::NoBrush);
+  const auto outline = [&](const QRectF& box, const QString& name) {
+    painter.setPen(QPen(Qt::black, 3));
+    painter.drawRect(box);
+    painter.setPen(QPen(QColor(255, 221, 85), 1));
+    painter.drawRect(box);
+    if (name.isEmpty()) return;
+    const QRectF text(box.topLeft() + QPointF(3, 2), QSizeF(fontMetrics().horizontalAdvance(name) + 6, fontMetrics().height()));
+    painter.fillRect(text, QColor(0, 0, 0, 150));
+    painter.drawText(text, Qt::AlignCenter, name);
+  };
+  for (const QRectF& pane : comparisonPanes(comparing() ? comparison_.mode : CompareMode::Off, rect())) {
+    const QRectF r = view_.place(pictureSize(), pane);
+    painter.setClipRect(pane);
+    const auto placed = [&](double x, double y, double w, double h) { return QRectF(r.x() + x * r.width(), r.y() + y * r.height(), w * r.width(), h * r.height()); };
+    for (const Region& region : regions_)
+      outline(placed(static_cast<double>(region.x), static_cast<double>(region.y), static_cast<double>(region.width), static_cast<double>(region.height)), QString::fromStdString(region.name));
+    if (const QRectF band = drawnShares(); !band.isEmpty()) outline(placed(band.x(), band.y(), band.width(), band.height()), {});
+    if (marked_) {
+      const QRectF pixel = placed(marked_->x() / static_cast<double>(image_.width()), marked_->y() / static_cast<double>(image_.height()), 1.0 / image_.width(), 1.0 / image_.height());
+      const double grow = std::max(0.0, (9 - pixel.width()) / 2);
+      outline(pixel.adjusted(-grow, -grow, grow, grow), {});
+    }
+  }
+  painter.restore();
 }
 
 QRectF Viewport::pictureRect() const {
@@ -145,6 +205,7 @@ void Viewport::paintEvent(QPaintEvent*) {
   else if (!image_.isNull())
     paintPicture(painter, image_, pictureRect());
   if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
+  drawOutlines(painter);
   drawLabels(painter);
 }
 
@@ -181,11 +242,22 @@ void Viewport::moved() {
 void Viewport::mousePressEvent(QMouseEvent* event) {
   lastPosition_ = pressPosition_ = event->position();
   dragged_ = false;
+  const bool band = regionTool_ || (event->modifiers() & (Qt::ControlModifier | Qt::ShiftModifier)) == (Qt::ControlModifier | Qt::ShiftModifier);
+  if (band && event->button() == Qt::LeftButton && !image_.isNull()) {
+    bandStart_ = bandEnd_ = event->position();
+    return;
+  }
   wipeDragged_ = event->button() == Qt::LeftButton && onWipe(event->position());
 }
 
 void Viewport::mouseMoveEvent(QMouseEvent* event) {
+  if (bandStart_) {
+    bandEnd_ = event->position();
+    update();
+    return;
+  }
   if (event->buttons() == Qt::NoButton) {
+    if (regionTool_) return;
     if (onWipe(event->position()))
       setCursor(comparison_.mode == CompareMode::WipeAcross ? Qt::SplitHCursor : Qt::SplitVCursor);
     else
@@ -221,14 +293,24 @@ void Viewport::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void Viewport::mouseReleaseEvent(QMouseEvent* event) {
+  if (bandStart_ && event->button() == Qt::LeftButton) {
+    bandEnd_ = event->position();
+    const QRectF shares = drawnShares();
+    bandStart_.reset();
+    update();
+    if (!shares.isEmpty()) emit regionDrawn(shares);
+    return;
+  }
   if (std::exchange(wipeDragged_, false) || dragged_ || event->button() == Qt::MiddleButton) return;
   if (const auto pixel = pixelAt(event->position())) {
     pickShown_ = true;
     emit pixelPicked(pixel->x(), pixel->y());
+    if (event->button() == Qt::RightButton) emit inspectWanted(pixel->x(), pixel->y());
   }
 }
 
 void Viewport::mouseDoubleClickEvent(QMouseEvent* event) {
+  if (regionTool_ || event->button() != Qt::LeftButton) return;
   if (const auto pixel = pixelAt(event->position())) emit focusWanted(pixel->x(), pixel->y());
 }
 

@@ -29,6 +29,11 @@ class Viewport : public QWidget {
   void setPaused(bool);
   /// In place of the frame's own picture, until one of mode Off; Space still shows the reference.
   void setComparison(const ShownComparison&);
+  /// Outlines over the picture; {} none.
+  void setRegions(const std::vector<Region>&);
+  /// Outlines this pixel of the frame; none: no more.
+  void setMarkedPixel(std::optional<QPoint>);
+  bool regionTool() const { return regionTool_; }
   /// Where the picture lies in the widget; side by side, the left one. Zoomed in, it reaches beyond it.
   QRectF pictureRect() const;
   /// The frame's pixel under a point of the widget, if any.
@@ -44,12 +49,17 @@ class Viewport : public QWidget {
   void bookmarkWanted(int number);
   void bookmarkStored(int number);
   void wipeMoved(double share);
+  void inspectWanted(int x, int y);
+  /// Drawn with the region tool, or with Ctrl and Shift held: in shares of the picture, on whole pixels.
+  void regionDrawn(const QRectF& shares);
 
  public slots:
   /// What the session found under the pixel that focusWanted() named.
   void focusOn(const hl::vec3& point);
   /// The samples of the picked point go out of sight until the next click.
   void hidePick();
+  /// The left button draws regions until it is turned off, or Escape.
+  void setRegionTool(bool);
   void zoomIn();
   void zoomOut();
   void zoomToFit();
@@ -75,6 +85,8 @@ class Viewport : public QWidget {
   void zoomBy(double factor, std::optional<QPointF> anchor = {});
   bool moveWipe(int key, Qt::KeyboardModifiers);
   bool onWipe(QPointF) const;
+  QRectF drawnShares() const;  ///< of the rubber band; empty where it is too small to be meant
+  void drawOutlines(QPainter&);
 
   std::shared_ptr<const FrameResult> frame_;
   QImage image_;   // over the frame's own pixels, not a copy
@@ -86,6 +98,11 @@ class Viewport : public QWidget {
   std::set<int> keys_;
   PictureView view_;
   ShownComparison comparison_;
+  std::vector<Region> regions_;
+  std::optional<QPoint> marked_;
+  std::optional<QPointF> bandStart_;  // the rubber band's, in the widget
+  QPointF bandEnd_;
+  bool regionTool_ = false;
   bool flickerSecond_ = false, wipeDragged_ = false;
   QTimer flickerTimer_;
   QTimer flyTimer_;

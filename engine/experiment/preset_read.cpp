@@ -24,7 +24,7 @@ class PresetReader {
 
   void read(const JsonReader& root) {
     known(root,
-          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "display"});
+          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "regions", "display"});
     preset_.scene = root.at("scene").text();
     if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
     if (root.has("camera")) readCamera(root.at("camera"));
@@ -35,6 +35,7 @@ class PresetReader {
     if (root.has("seed")) preset_.seed = static_cast<uint32_t>(root.at("seed").whole(0, 0xffffffffLL));
     if (root.has("technique")) readTechnique(root.at("technique"));
     if (root.has("parameters")) readParameters(root.at("parameters"));
+    if (root.has("regions")) readRegions(root.at("regions"));
     if (root.has("display")) readDisplay(root.at("display"));
   }
 
@@ -97,6 +98,25 @@ class PresetReader {
     }
     if (root.has("sky")) lights.sky = energy(root.at("sky"));
     preset_.lights = lights;
+  }
+
+  /// As in scene files.
+  void readRegions(const JsonReader& node) {
+    std::vector<Region> regions;
+    for (const JsonReader& n : node.elements("an array of regions")) {
+      known(n, {"name", "x", "y", "width", "height"});
+      Region r;
+      r.name = n.at("name").text();
+      for (const auto& [key, value] : {std::pair{"x", &r.x}, {"y", &r.y}, {"width", &r.width}, {"height", &r.height}})
+        if (n.has(key)) *value = n.at(key).number(0, 1);
+      regions.push_back(r);
+    }
+    try {
+      checkRegions(regions);
+    } catch (const Error& e) {
+      throw node.refused(e.what());
+    }
+    preset_.regions = regions;
   }
 
   static float angle(const JsonReader& node, float low, float high) {

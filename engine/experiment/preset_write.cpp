@@ -83,6 +83,17 @@ Json lightsJson(const LightEdits& lights) {
   return out;
 }
 
+Json regionsJson(const std::vector<Region>& regions) {
+  Json out = Json::array();
+  for (const Region& r : regions)
+    out.push_back({{"name", r.name},
+                   {"x", number(r.x, "regions: x")},
+                   {"y", number(r.y, "regions: y")},
+                   {"width", number(r.width, "regions: width")},
+                   {"height", number(r.height, "regions: height")}});
+  return out;
+}
+
 Json parametersJson(const Preset& preset, bool resolved) {
   const auto groups = parameterGroups(preset.technique);
   const auto changed = canonicalParameters(preset.technique, preset.parameters);
@@ -149,7 +160,7 @@ std::string readable(const Json& document) {
   std::string out = "{\n";
   size_t left = document.size();
   for (const auto& [key, value] : document.items()) {
-    const bool spread = (key == "parameters" || key == "lights") && !value.empty();
+    const bool spread = (key == "parameters" || key == "lights" || key == "regions") && !value.empty();
     out += fmt::format("  {}: ", compact(key));
     if (spread) {
       size_t inner = value.size();
@@ -170,6 +181,7 @@ std::string readable(const Json& document) {
 
 std::string presetJson(const Preset& preset, bool resolved) {
   Json document = presetDocument(preset, resolved);
+  if (preset.regions) document["regions"] = regionsJson(*preset.regions);
   document["display"] = displayJson(preset.display);
   return readable(document);
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "engine/core/log.h"
 #include "engine/scene/scene_bundle.h"
@@ -15,7 +14,6 @@ namespace {
 
 constexpr float kDefaultSliceMs = 30;
 constexpr int kCalmFrames = 10;  // that the picture must be shown the same way before its errors are measured anew
-constexpr float kRegionSlack = 1e-5f;  // what rounding may add to x + width
 constexpr int kMinResolution = 1, kMaxResolution = 8192;
 // A vertex normal counts as smooth when it leaves its triangle's normal by more than about 0.8 degrees.
 constexpr float kSmoothCosine = 0.9999f;
@@ -195,8 +193,14 @@ void Session::load(const Preset& preset, Progress* progress) {
   auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   if (preset.lights) applyLights(*scene, *preset.lights);
+  const std::vector<Region> ownRegions = scene->regions;
+  if (preset.regions) {
+    checkRegions(*preset.regions);
+    scene->regions = *preset.regions;
+  }
 
   s.install(std::move(scene), p);
+  s.sceneRegions = ownRegions;
   s.preset = preset;
   s.preset.warnings.clear();
   s.otherTechniques.clear();
@@ -218,6 +222,7 @@ void Session::setScene(const std::string& nameOrPath, Progress* progress) {
   next.cameraName.clear();
   next.camera.reset();
   next.lights.reset();
+  next.regions.reset();
   const std::map<std::string, std::map<std::string, std::string>> others = impl_->otherTechniques;
   load(next, progress);
   impl_->otherTechniques = others;
@@ -337,17 +342,11 @@ void Session::setImagesWanted(const std::vector<std::string>& names) {
   impl_->imagesWanted = names;
 }
 
-void Session::setRegions(const std::vector<Region>& regions) {
+void Session::setRegions(const std::optional<std::vector<Region>>& regions) {
   Impl& s = *impl_;
-  std::set<std::string> names;
-  for (const Region& r : regions) {
-    const bool inside = r.x >= 0 && r.y >= 0 && r.width > 0 && r.height > 0 && r.x + r.width <= 1 + kRegionSlack && r.y + r.height <= 1 + kRegionSlack;
-    if (!inside)
-      throw badInput(fmt::format("region '{}': {:.4g},{:.4g} {:.4g} x {:.4g} reaches beyond the picture or is empty; shares of it in [0, 1] are wanted", r.name,
-                                 r.x, r.y, r.width, r.height));
-    if (r.name.empty() || !names.insert(r.name).second) throw badInput(fmt::format("region '{}': a name of its own is wanted", r.name));
-  }
-  s.scene->regions = regions;
+  if (regions) checkRegions(*regions);
+  s.preset.regions = regions;
+  s.scene->regions = regions ? *regions : s.sceneRegions;
   s.summary = summaryOf(*s.scene);
   s.measuredSettled = false;
   s.lastMeasurementMs = -1e9;  // measured with the next frame

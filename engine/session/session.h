@@ -137,7 +137,7 @@ class Session {
   void setReferenceWanted(bool);            ///< progress the reference between frames
   /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
   void setImagesWanted(const std::vector<std::string>& names);
-  void setRegions(const std::vector<Region>&);  ///< of interest, in place of the scene's: errors are measured for each. Shares of the picture in [0, 1]
+  void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
   void setWorkPaused(bool);
   void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
   void restartWork();

@@ -52,6 +52,7 @@ struct Session::Impl {
   std::shared_ptr<Scene> scene;
   std::shared_ptr<const Scene> summary;  ///< published with results
   SceneFeatures features;
+  std::vector<Region> sceneRegions;      ///< as the scene's file has them
   std::string transportKey;               ///< of the paths the matched reference was limited to
   bool smoothNormals = false;            ///< some vertex normal differs from its triangle's: mapped and geometric receivers differ
   std::shared_ptr<const EmbreeScene> embree;

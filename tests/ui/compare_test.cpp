@@ -212,6 +212,9 @@ class CompareTest : public QObject {
   }
 
   void theDifferenceHasASignAndAGain() {
+    CompareChoice c = compare().choice();
+    c.gain = 1;
+    compare().choose(c);
     const auto colourOf = [&](float a, float b) {
       show(CompareMode::Difference, vec3(a), vec3(b));
       return seen(0.5, 0.5);
@@ -222,7 +225,7 @@ class CompareTest : public QObject {
     QVERIFY(brighter.red() > brighter.blue());
     QVERIFY(none.lightness() > brighter.lightness());
     // Ten times the difference is as a difference ten times as large.
-    CompareChoice c = compare().choice();
+    c = compare().choice();
     c.gain = 10;
     compare().choose(c);
     QTRY_VERIFY(seen(0.5, 0.5) != brighter);

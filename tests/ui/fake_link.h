@@ -12,7 +12,7 @@ class FakeLink : public EngineLink {
   Preset loaded;
   std::shared_ptr<const FrameResult> frame;
   std::vector<std::string> wanted;
-  std::vector<Region> regions;
+  std::optional<std::vector<Region>> regions;
   std::shared_ptr<Progress> work = std::make_shared<Progress>();
 
   void publish(std::shared_ptr<const FrameResult> f) {
@@ -42,9 +42,9 @@ class FakeLink : public EngineLink {
     wanted = names;
     note("images " + std::to_string(names.size()));
   }
-  void setRegions(const std::vector<Region>& r) override {
+  void setRegions(const std::optional<std::vector<Region>>& r) override {
     regions = r;
-    note("regions " + std::to_string(r.size()));
+    note(r ? "regions " + std::to_string(r->size()) : "regions of the scene");
   }
   void setWorkPaused(bool) override { note("pause work"); }
   void cancelWork() override { note("cancel work"); }
