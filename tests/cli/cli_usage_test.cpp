@@ -29,7 +29,7 @@ void expectRefusal(const std::vector<std::string>& arguments, const std::string&
 }
 
 TEST(CliUsage, MistakesAreNamedWithWhatIsNear) {
-  expectRefusal({}, "a command is wanted: list, doctor, render, reference, compare, bench, tune, pack, describe");
+  expectRefusal({}, "a command is wanted: list, doctor, render, reference, compare, pack, bench, tune, describe");
   expectRefusal({"rendr", "cornell_box"}, "unknown command rendr; did you mean render?");
   expectRefusal({"bench", "x.json"}, "--out");
   expectRefusal({"tune", "cornell_box"}, "--budget-ms");
