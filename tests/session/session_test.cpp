@@ -4,7 +4,11 @@
 #include <set>
 
 #include "engine/session/session_thread.h"
+#include "engine/experiment/bundle.h"
+#include "engine/experiment/open_target.h"
+#include "engine/scene/scene_build.h"
 #include "tests/session_fixture.h"
+#include "tests/trace_scenes.h"
 
 namespace hl::test {
 namespace {
@@ -371,6 +375,30 @@ TEST_F(SessionTest, WhatDoesNotFitIsSaidAndTheSessionGoesOn) {
   EXPECT_FALSE(messageOf([&] { session->frame(); }, ErrorKind::TooLarge).empty());
   session->setResolution(preset.width, preset.height);
   EXPECT_EQ(session->settle()->displayHash, hash);
+}
+
+/// The tracers keep what they need of a scene with alpha tests: a session moves its buffers about while it loads.
+TEST_F(SessionTest, CutOutsLookTheSameThroughEveryTracer) {
+  Scene scene = foliage();
+  scene.sky = vec3(1.0f);
+  finishScene(scene);
+  Preset preset = smallPreset("leaves", "radiosity");
+  writeBundle(folder / "leaves.hlb", {preset, {{"leaves", &scene}}, {}});
+  std::optional<double> expected;
+  for (const char* tracer : {"embree", "bvh", "auto"}) {
+    auto session = makeSession(tracer);
+    session->load(openTarget((folder / "leaves.hlb").string()));
+    session->load(session->preset());  // again, with an old scene to give up
+    session->settle();
+    const Image final = session->image("final");
+    double sum = 0;
+    for (size_t i = 0; i < final.pixels(); ++i) sum += static_cast<double>(final.data[i * static_cast<size_t>(final.channels) + 1]);
+    ASSERT_TRUE(std::isfinite(sum)) << tracer;
+    ASSERT_GT(sum, 0) << tracer;
+    if (!expected) expected = sum;
+    EXPECT_NEAR(sum, *expected, 2e-3 * *expected) << tracer;
+    expectNoMessages(*session);
+  }
 }
 
 }  // namespace
