@@ -1,0 +1,146 @@
+#!/usr/bin/python3
+"""Lightmaps of the Cornell box, ours and Cycles', in one run, in turn: error against samples and time.
+
+    bake_compare.py OUT [--resolution 64] [--truth 1024] [--ladder 16,64,256,1024]
+
+Three bakes into the same texels: Cycles (total irradiance), our reference (total irradiance), our radiosity (indirect irradiance, its own
+bounces to 32). Error: root of the mean over texels, weighted by area, of (v - A)(v - B) / (r^2 + e^2), r = (A + B) / 2, e = 0.01 of its mean, luminance; A
+and B are two independent runs of our reference, so the truth's own noise does not count (MEASURES.md). Cycles takes points all over a texel, we its centroid:
+texels with a neighbour outside their chart are left out of the first two bakes, and Cycles is measured against two long bakes of its own, too. Radiosity's error is what
+`halflight-cli render` says, over all texels. Seconds: wall clock of the bake itself, and of the processor (our reference's with start-up and scene).
+Environment: PEER_SCENE, HALFLIGHT_CLI, BLENDER; HALFLIGHT_CACHE is set to OUT/cache so that nothing is found done.
+"""
+import argparse
+import json
+import math
+import os
+import re
+import resource
+import subprocess
+import sys
+
+import numpy as np
+import OpenImageIO as oiio
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+BUILD = os.path.join(HERE, "../../build/release")
+PEER_SCENE = os.environ.get("PEER_SCENE", os.path.join(BUILD, "tests/peer_scene"))
+CLI = os.environ.get("HALFLIGHT_CLI", os.path.join(BUILD, "app/halflight-cli"))
+PRESET = os.path.join(HERE, "../../presets/cornell_radiosity.json")
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def call(*command):
+    """Standard output and the seconds of processor time it took."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"bake_compare.py: {' '.join(map(str, command))}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return done.stdout, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def picture(file):
+    source = oiio.ImageInput.open(file)
+    pixels = source.read_image(oiio.FLOAT)[::-1, :, :3].astype(np.float64)
+    source.close()
+    return pixels.reshape(-1, 3)
+
+
+def reference(out, name, samples, seed, resolution):
+    file = os.path.join(out, name + ".pfm")
+    text, processor = call(CLI, "reference", PRESET, "--lightmap", "--spp", samples, "--set", f"lightmap.resolution={resolution}", "--set", f"reference.seed={seed}",
+                           "--set", f"reference.direct_samples={min(samples, 256)}", "--out", file)
+    seconds = float(re.search(r", ([0-9.]+) s\n", text).group(1))
+    return picture(file) + picture(file.replace(".pfm", "_direct_irradiance.pfm")), seconds, processor
+
+
+def cycles(out, samples, seed, resolution):
+    call(os.environ.get("BLENDER", "blender"), "-b", "--factory-startup", "--python-exit-code", 1, "--python", os.path.join(HERE, "cycles_bake.py"), "--", out, out,
+         resolution, seed, 1, samples)  # one sample first: Cycles loads its kernels then
+    name = os.path.join(out, f"bake_{samples}_{seed}")
+    with open(name + ".json") as f:
+        note = json.load(f)
+    return np.load(name + ".npy").astype(np.float64), note["seconds"], note["processor_seconds"]
+
+
+def radiosity(samples, truth, resolution):
+    text, processor = call(CLI, "render", PRESET, "--json", "--resolution", "32x18", "--metrics", "relmse,bias", "--errors-of", "lightmap", "--set",
+                           f"lightmap.resolution={resolution}", "--set", f"radiosity.samples={samples}", "--set", "radiosity.bounces=32", "--set",
+                           "radiosity.residual=1e-4", "--set", f"reference.samples={truth}", "--set", "reference.direct_samples=256", "--set", "reference.seed=1")
+    result = json.loads(text)
+    errors = {e["metric"]: e["value"] for e in result["errors"]}
+    return math.sqrt(max(errors["relmse"], 0)), errors["bias"], result["work"]["ms"] / 1000
+
+
+def interior(lumels, resolution):
+    """Those whose eight neighbours are of the same chart."""
+    chart = np.full((resolution + 2, resolution + 2), -1, dtype=np.int64)
+    y, x = lumels["texel"] // resolution, lumels["texel"] % resolution
+    chart[y + 1, x + 1] = lumels["chart"]
+    inside = np.ones(len(lumels), dtype=bool)
+    for dy in (0, 1, 2):
+        for dx in (0, 1, 2):
+            inside &= chart[y + dy, x + dx] == lumels["chart"]
+    return inside
+
+
+def error(value, a, b, area):
+    v, a, b = value @ LUMINANCE, a @ LUMINANCE, b @ LUMINANCE
+    r = (a + b) / 2
+    e = 0.01 * np.average(r, weights=area)
+    relative = math.sqrt(max(np.average((v - a) * (v - b) / (r * r + e * e), weights=area), 0))
+    return relative, np.average(v - r, weights=area) / np.average(r, weights=area)
+
+
+def time_to(goal, rows):
+    """Between the two rows round the goal, along a straight line of logarithms; None where no row gets there."""
+    rows = sorted(rows)
+    for (t0, e0), (t1, e1) in zip(rows, rows[1:]):
+        if e0 > goal >= e1 > 0:
+            return t0 * (t1 / t0) ** (math.log(e0 / goal) / math.log(e0 / e1))
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("out")
+    parser.add_argument("--resolution", type=int, default=64)
+    parser.add_argument("--truth", type=int, default=1024)
+    parser.add_argument("--ladder", default="16,64,256,1024")
+    o = parser.parse_args()
+    os.makedirs(o.out, exist_ok=True)
+    os.environ["HALFLIGHT_CACHE"] = os.path.join(os.path.abspath(o.out), "cache")
+    call(PEER_SCENE, "export", "cornell_box", "front", o.out)
+    call(PEER_SCENE, "atlas", "cornell_box", o.resolution, o.out)
+    lumels = np.fromfile(os.path.join(o.out, "lumels.bin"), dtype=[("texel", "<u4"), ("chart", "<u4"), ("area", "<f4")])
+    a, b = (reference(o.out, f"truth_{s}", o.truth, s, o.resolution)[0] for s in (1, 2))
+    ca, cb = (cycles(o.out, 2 * o.truth, 100 + s, o.resolution)[0] for s in (1, 2))
+    # Texels that hold light in the truth too: the programs leave out those inside other geometry.
+    keep = interior(lumels, o.resolution) & (ca[lumels["texel"], 3] > 0) & (a[lumels["texel"]].sum(axis=1) > 0)
+    texels, area = lumels["texel"][keep], lumels["area"][keep]
+    print(f"{len(lumels)} texels, {len(texels)} compared; long bakes apart by {100 * error(ca[texels, :3], a[texels], b[texels], area)[0]:.3f} % "
+          f"(mean {100 * error((ca + cb)[texels, :3] / 2, a[texels], b[texels], area)[1]:+.3f} %)")
+    print(f"{'samples':>8} {'bake':<10} {'error %':>8} {'own truth %':>12} {'bias %':>8} {'wall s':>8} {'proc. s':>8}")
+    rows = {"Cycles": [], "reference": [], "radiosity": []}
+    own = {"Cycles": [], "reference": [], "radiosity": []}
+    for samples in map(int, o.ladder.split(",")):
+        value, wall, processor = cycles(o.out, samples, 1, o.resolution)
+        e, bias = error(value[texels, :3], a[texels], b[texels], area)
+        mine = error(value[texels, :3], ca[texels, :3], cb[texels, :3], area)[0]
+        print(f"{samples:8} {'Cycles':<10} {100 * e:8.3f} {100 * mine:12.3f} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
+        rows["Cycles"].append((wall, e)), own["Cycles"].append((wall, mine))
+        value, wall, processor = reference(o.out, "ours", samples, 10, o.resolution)
+        e, bias = error(value[texels], a[texels], b[texels], area)
+        print(f"{samples:8} {'reference':<10} {100 * e:8.3f} {'':12} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
+        rows["reference"].append((wall, e))
+        e, bias, wall = radiosity(samples, o.truth, o.resolution)
+        print(f"{samples:8} {'radiosity':<10} {100 * e:8.3f} {'':12} {100 * bias:8.3f} {wall:8.2f}", flush=True)
+        rows["radiosity"].append((wall, e))
+    for goal in (0.02, 0.01):
+        for name, table in list(rows.items()) + [("Cycles, own truth", own["Cycles"])]:
+            t = time_to(goal, table)
+            print(f"to {100 * goal:g} %: {name:<18} " + (f"{t:.2f} s" if t else f"not on this ladder (errors {100 * table[0][1]:.2f} to {100 * table[-1][1]:.2f} %)"))
+
+
+main()
