@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Lightmaps of the Cornell box, ours and Cycles', in one run, in turn: error against samples and time.
 
-    bake_compare.py OUT [--resolution 64] [--truth 1024] [--ladder 16,64,256,1024]
+    bake_compare.py OUT [--resolution 64] [--truth 1024] [--ladder 64,256,1024,2048]
 
 Three bakes into the same texels: Cycles (total irradiance), our reference (total irradiance), our radiosity (indirect irradiance, its own
 bounces to 32). Error: root of the mean over texels, weighted by area, of (v - A)(v - B) / (r^2 + e^2), r = (A + B) / 2, e = 0.01 of its mean, luminance; A
 and B are two independent runs of our reference, so the truth's own noise does not count (MEASURES.md). Cycles takes points all over a texel, we its centroid:
-texels with a neighbour outside their chart are left out of the first two bakes, and Cycles is measured against two long bakes of its own, too. Radiosity's error is what
+texels with a neighbour outside their chart, or inside another thing, are left out of the first two bakes, and Cycles is measured against two long bakes of its own, too. Radiosity's error is what
 `halflight-cli render` says, over all texels. Seconds: wall clock of the bake itself, and of the processor (our reference's with start-up and scene).
 Environment: PEER_SCENE, HALFLIGHT_CLI, BLENDER; HALFLIGHT_CACHE is set to OUT/cache so that nothing is found done.
 """
@@ -94,12 +94,13 @@ def error(value, a, b, area):
 
 
 def time_to(goal, rows):
-    """Between the two rows round the goal, along a straight line of logarithms; None where no row gets there."""
+    """Between the two rows round the goal, along a straight line of logarithms; past the last by the inverse root of time."""
     rows = sorted(rows)
     for (t0, e0), (t1, e1) in zip(rows, rows[1:]):
         if e0 > goal >= e1 > 0:
-            return t0 * (t1 / t0) ** (math.log(e0 / goal) / math.log(e0 / e1))
-    return None
+            return t0 * (t1 / t0) ** (math.log(e0 / goal) / math.log(e0 / e1)), ""
+    t, e = rows[-1]
+    return (t * (e / goal) ** 2, f" (extrapolated from {100 * e:.2f} % at {t:.2f} s)") if e > goal else (rows[0][0], " or less")
 
 
 def main():
@@ -107,7 +108,7 @@ def main():
     parser.add_argument("out")
     parser.add_argument("--resolution", type=int, default=64)
     parser.add_argument("--truth", type=int, default=1024)
-    parser.add_argument("--ladder", default="16,64,256,1024")
+    parser.add_argument("--ladder", default="64,256,1024,2048")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
     os.environ["HALFLIGHT_CACHE"] = os.path.join(os.path.abspath(o.out), "cache")
@@ -116,8 +117,8 @@ def main():
     lumels = np.fromfile(os.path.join(o.out, "lumels.bin"), dtype=[("texel", "<u4"), ("chart", "<u4"), ("area", "<f4")])
     a, b = (reference(o.out, f"truth_{s}", o.truth, s, o.resolution)[0] for s in (1, 2))
     ca, cb = (cycles(o.out, 2 * o.truth, 100 + s, o.resolution)[0] for s in (1, 2))
-    # Texels that hold light in the truth too: the programs leave out those inside other geometry.
-    keep = interior(lumels, o.resolution) & (ca[lumels["texel"], 3] > 0) & (a[lumels["texel"]].sum(axis=1) > 0)
+    lumels = lumels[a[lumels["texel"]].sum(axis=1) > 0]  # the engine leaves out texels inside other geometry
+    keep = interior(lumels, o.resolution) & (ca[lumels["texel"], 3] > 0)
     texels, area = lumels["texel"][keep], lumels["area"][keep]
     print(f"{len(lumels)} texels, {len(texels)} compared; long bakes apart by {100 * error(ca[texels, :3], a[texels], b[texels], area)[0]:.3f} % "
           f"(mean {100 * error((ca + cb)[texels, :3] / 2, a[texels], b[texels], area)[1]:+.3f} %)")
@@ -139,8 +140,8 @@ def main():
         rows["radiosity"].append((wall, e))
     for goal in (0.02, 0.01):
         for name, table in list(rows.items()) + [("Cycles, own truth", own["Cycles"])]:
-            t = time_to(goal, table)
-            print(f"to {100 * goal:g} %: {name:<18} " + (f"{t:.2f} s" if t else f"not on this ladder (errors {100 * table[0][1]:.2f} to {100 * table[-1][1]:.2f} %)"))
+            seconds, how = time_to(goal, table)
+            print(f"to {100 * goal:g} %: {name:<18} {seconds:8.2f} s{how}")
 
 
 main()
