@@ -26,6 +26,8 @@ struct Arguments {
   ReferenceOptions reference;
   CompareOptions compare;
   PackOptions pack;
+  BenchOptions bench;
+  TuneArguments tune;
   bool markdown = false, schema = false;
 };
 
@@ -124,6 +126,29 @@ void definePack(CLI::App& app, PackOptions& o) {
   c->add_option("--camera", o.camera, "One of the scene's cameras");
 }
 
+void defineBench(CLI::App& app, BenchOptions& o) {
+  CLI::App* c = app.add_subcommand("bench", "An experiment: sweep, results, speed against error. The same command goes on with what is there");
+  c->add_option("EXPERIMENT", o.experiment, "Its file, or the name of one in `list experiments`")->required();
+  c->add_option("--out", o.out, "Folder of the results")->required();
+}
+
+void defineTune(CLI::App& app, TuneArguments& o) {
+  CLI::App* c = app.add_subcommand("tune", "Search techniques and their knobs for the least error within a time budget");
+  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  c->add_option("--budget-ms", o.budgetMs, "For preparation, bake and frames until the finished work shows")->required()->check(finiteNumber(1e-3, 1e8));
+  c->add_flag("--per-frame", o.perFrame, "The budget is for a frame, with preparation and bake spread over --amortise frames");
+  c->add_option("--amortise", o.amortiseFrames, "Frames")->check(wholeNumber(1, 1'000'000));
+  repeated(c, "--techniques", o.techniques, "All but none where left out")->delimiter(',');
+  c->add_option("--metric", o.metric, "What is to be least");
+  c->add_option("--reference", o.reference, "What it is against: full or matched");
+  c->add_option("--candidates", o.candidates, "Drawn at first for each technique")->check(wholeNumber(2, 1000));
+  c->add_option("--seed", o.seed, "Of the drawing")->check(wholeNumber(0, std::numeric_limits<uint32_t>::max()));
+  repeated(c, "--set", o.set, "A parameter that stays as it is, KEY=VALUE; may be repeated");
+  c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
+  c->add_option("--camera", o.camera, "One of the scene's cameras");
+  c->add_option("--out", o.out, "Folder of the winner and the evidence");
+}
+
 void define(CLI::App& app, Arguments& a) {
   app.require_subcommand(0, 1);
   app.fallthrough();
@@ -138,9 +163,11 @@ void define(CLI::App& app, Arguments& a) {
   defineReference(app, a.reference);
   defineCompare(app, a.compare);
   definePack(app, a.pack);
+  defineBench(app, a.bench);
+  defineTune(app, a.tune);
   CLI::App* describe = app.add_subcommand("describe", "Every parameter");
   describe->add_flag("--markdown", a.markdown, "As the table of docs/PARAMETERS.md");
-  describe->add_flag("--schema", a.schema, "The JSON Schema of presets");
+  describe->add_flag("--schema", a.schema, "The JSON Schema of presets and experiments");
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) command->fallthrough();
 }
 
@@ -183,6 +210,8 @@ int dispatch(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("reference")) return reference(a.global, a.reference);
   if (app.got_subcommand("compare")) return compare(a.global, a.compare);
   if (app.got_subcommand("pack")) return pack(a.global, a.pack);
+  if (app.got_subcommand("bench")) return bench(a.global, a.bench);
+  if (app.got_subcommand("tune")) return tune(a.global, a.tune);
   return describe(a.markdown, a.schema);
 }
 

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "engine/core/progress.h"
+#include "engine/experiment/open_target.h"
 #include "engine/session/session.h"
+#include "engine/sweep/sweep.h"
 
 namespace hl::cli {
 
@@ -57,12 +59,27 @@ struct PackOptions {
   std::string out;
 };
 
+struct BenchOptions {
+  std::string experiment, out;
+};
+
+struct TuneArguments {
+  std::string target, camera, resolution, out = "tune", metric = "relmse", reference = "full";
+  std::vector<std::string> techniques, set;
+  double budgetMs = 0;
+  bool perFrame = false;
+  int amortiseFrames = 60, candidates = 16;
+  uint32_t seed = 1;
+};
+
 int list(const GlobalOptions&, const std::string& what);
 int doctor(const GlobalOptions&, const std::string& scene);
 int render(const GlobalOptions&, const RenderOptions&);
 int reference(const GlobalOptions&, const ReferenceOptions&);
 int compare(const GlobalOptions&, const CompareOptions&);
 int pack(const GlobalOptions&, const PackOptions&);
+int bench(const GlobalOptions&, const BenchOptions&);
+int tune(const GlobalOptions&, const TuneArguments&);
 int describe(bool markdown, bool schema);
 
 /// The kinds that `list` knows.
@@ -70,6 +87,8 @@ const std::vector<std::string>& listKinds();
 
 /// Progress that Ctrl-C cancels (a second one ends the program), shown on stderr where that is a terminal.
 std::shared_ptr<Progress> interruptibleProgress(const GlobalOptions&);
+/// Where a sweep stands, as a line on stderr.
+void showStatus(const SweepStatus&);
 /// Ends the line on the terminal.
 void finishProgress();
 
@@ -84,8 +103,6 @@ int validationVerdict(const GlobalOptions&, Device&, int code);
 void setResolution(Preset&, const std::string& text);
 /// KEY=VALUE pairs into the preset's parameters, checked. @throws Error(BadInput)
 void setParameters(Preset&, const std::vector<std::string>& pairs);
-/// @throws Error(BadInput) naming the nearest known metric.
-void checkMetrics(const std::vector<std::string>&);
 
 /// Before any work is done for it: that files can be written into the folder, or that it could be made. Leaves nothing
 /// behind. @throws Error(BadInput)

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
 #include "engine/core/task_pool.h"

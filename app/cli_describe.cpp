@@ -1,4 +1,4 @@
-// `describe`: every parameter, as text, as Markdown, or as the JSON Schema of presets.
+// `describe`: every parameter, as text, as Markdown, or as the JSON Schema of presets and experiments.
 #include <fmt/format.h>
 
 #include "app/cli_commands.h"
@@ -50,7 +50,7 @@ std::string plain() {
 
 int describe(bool asMarkdown, bool asSchema) {
   if (asMarkdown && asSchema) throw badInput("describe: either --markdown or --schema");
-  print(asSchema ? presetSchema() : asMarkdown ? markdown() : plain());
+  print(asSchema ? fileSchema() : asMarkdown ? markdown() : plain());
   return 0;
 }
 

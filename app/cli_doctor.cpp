@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/import_module.h"

@@ -5,8 +5,9 @@
 #include <variant>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
+#include "engine/experiment/experiment.h"
 #include "engine/params/groups.h"
 #include "engine/scene/scene_file.h"
 #include "engine/techniques/technique.h"
@@ -46,6 +47,13 @@ std::vector<Row> sceneRows() {
 std::vector<Row> presetRows() {
   std::vector<Row> rows;
   for (const PresetListing& p : listPresets())
+    rows.push_back({{"id", p.id}, {"label", p.label}, {"file", p.file.string()}});
+  return rows;
+}
+
+std::vector<Row> experimentRows() {
+  std::vector<Row> rows;
+  for (const PresetListing& p : listExperiments())
     rows.push_back({{"id", p.id}, {"label", p.label}, {"file", p.file.string()}});
   return rows;
 }
@@ -139,6 +147,7 @@ struct Kind {
   std::vector<Row> (*rows)();
 };
 constexpr Kind kKinds[] = {{"techniques", techniqueRows}, {"scenes", sceneRows},   {"presets", presetRows},
+                           {"experiments", experimentRows},
                            {"params", paramRows},         {"metrics", metricRows}, {"devices", deviceRows}};
 
 std::string asJson(const std::vector<Row>& rows) {

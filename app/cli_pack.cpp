@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "app/cli_commands.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/experiment/bundle.h"
 #include "engine/experiment/open_target.h"

@@ -8,7 +8,7 @@
 
 #include "app/cli_commands.h"
 #include "app/cli_results.h"
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
 #include "engine/core/image_io.h"

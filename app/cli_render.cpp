@@ -8,9 +8,9 @@
 #include "app/cli_results.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
-#include "engine/core/hash.h"
 #include "engine/core/image_io.h"
 #include "engine/core/import_module.h"
+#include "engine/experiment/experiment.h"
 #include "engine/experiment/open_target.h"
 
 namespace hl::cli {
@@ -23,12 +23,7 @@ constexpr int kMostStepFrames = 10'000;
 /// The preset that the command line asks for, checked before any device is touched.
 Preset wantedPreset(const RenderOptions& o) {
   Preset preset = openTarget(o.target);
-  if (!o.technique.empty() && o.technique != preset.technique) {
-    techniqueInfo(o.technique);
-    const std::string own = preset.technique + ".";  // the old technique's parameters mean nothing to the new one
-    std::erase_if(preset.parameters, [&](const auto& p) { return p.first.starts_with(own); });
-    preset.technique = o.technique;
-  }
+  if (!o.technique.empty()) changeTechnique(preset, o.technique);
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
@@ -111,10 +106,6 @@ void writeOut(Session& session, Folder& folder) {
     folder.image(session, "reference", "reference");
     folder.image(session, "reference_indirect", "reference_indirect_irradiance");
   }
-}
-
-std::string hashOfImage(const Image& image) {
-  return hashOf({reinterpret_cast<const char*>(image.data.data()), image.data.size() * sizeof(float)});
 }
 
 /// The errors of the run, with the references that they need.

@@ -1,30 +1,9 @@
 #pragma once
-// The results of a run, as the JSON of DESIGN.md section 10, as a summary for people, and as image attributes.
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "engine/session/session.h"
+// The results of a run as a summary for people.
+#include "engine/session/results_json.h"
 
 namespace hl::cli {
 
-struct RunResults {
-  std::shared_ptr<const FrameResult> frame;
-  std::vector<ErrorValue> errors;
-  std::optional<std::pair<std::string, StepReport>> step;  ///< what was changed, and what followed
-  std::string imageHash;           ///< of the linear final picture
-  std::vector<std::string> files;  ///< written, relative to `folder`
-  std::string folder;
-  bool cancelled = false;
-};
-
-std::string resultsJson(const RunResults&);
 std::string resultsText(const RunResults&);
-
-/// Provenance as one JSON object.
-std::string provenanceJson(const Provenance&);
-/// The preset and its provenance, for Image::metadata.
-std::map<std::string, std::string> imageAttributes(const Preset&, const Provenance&);
 
 }  // namespace hl::cli

@@ -111,17 +111,6 @@ void setParameters(Preset& preset, const std::vector<std::string>& pairs) {
   checkParameters(preset);
 }
 
-void checkMetrics(const std::vector<std::string>& metrics) {
-  std::vector<std::string> known;
-  for (const MetricInfo& m : metricInfos()) known.emplace_back(m.id);
-  for (const std::string& m : metrics) {
-    if (std::find(known.begin(), known.end(), m) != known.end()) continue;
-    const std::string near = nearest(m, known);
-    throw badInput(fmt::format("unknown metric {}; {}there are {}", m,
-                               near.empty() ? "" : fmt::format("did you mean {}? ", near), fmt::join(known, ", ")));
-  }
-}
-
 void checkOutputFolder(const std::string& option, const fs::path& folder) {
   std::error_code failed;
   fs::path there = folder;  // the deepest folder of the path that exists: the others would be made in it

@@ -107,6 +107,22 @@ void Document::editLights(const LightEdits& lights, const QString& what, quint64
   if (lightsText(target.lights) != lightsText(preset_.lights)) push(std::move(target), what, drag);
 }
 
+void Document::editRegions(const std::optional<std::vector<Region>>& regions, const QString& what, quint64 drag) {
+  if (regions == preset_.regions) return;
+  Preset target = preset_;
+  target.regions = regions;
+  push(std::move(target), what, drag);
+}
+
+std::vector<Region> Document::regions() const { return preset_.regions ? *preset_.regions : sceneRegions_; }
+
+void Document::restore(const Preset& preset, const QString& what) {
+  Preset target = preset;
+  target.file = preset_.file;
+  target.warnings.clear();
+  undo_.push(PresetCommand::whole(*this, preset_, std::move(target), what));
+}
+
 void Document::moveCamera(const Camera& camera) {
   preset_.camera = camera;
   ++edits_;
@@ -180,10 +196,13 @@ void Document::apply(const Preset& wanted, bool whole) {
   if (target.seed != old.seed) link_.setSeed(target.seed);
   const bool lights = lightsText(target.lights) != lightsText(old.lights);
   if (lights) sendLights(target.lights);
+  const bool regions = target.regions != old.regions;
+  if (regions) link_.setRegions(target.regions);
   const bool display = anotherTechnique || !(target.display == old.display);
   if (display) link_.setDisplay(target.display);
   if (anotherTechnique) emit techniqueChanged();
   if (display) emit displayChanged();
+  if (regions) emit regionsChanged();
   emit presetChanged();
   updateModified();
 }
@@ -232,14 +251,18 @@ void Document::onFrame() {
   if (!frame || !frame->scene || frame->scene == scene_) return;
   const bool another = !scene_ || scene_->hash != frame->scene->hash || scene_->source != frame->scene->source;
   scene_ = frame->scene;
+  if (another) sceneRegions_.clear();
+  if (!frame->preset.regions && frame->preset.scene == preset_.scene) sceneRegions_ = scene_->regions;
   if (!frame->preset.lights && frame->preset.scene == preset_.scene) sceneLights_ = lightsOf(*scene_);
   emit sceneChanged();
+  emit regionsChanged();
   if (another) emit cameraChanged(true);
 }
 
 void Document::announceAll() {
   emit techniqueChanged();
   emit displayChanged();
+  emit regionsChanged();
   emit presetChanged();
   emit cameraChanged(true);
   updateModified();

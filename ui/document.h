@@ -29,6 +29,12 @@ class Document : public QObject {
   void editResolution(int width, int height);
   void editSeed(uint32_t);
   void editLights(const LightEdits&, const QString& what, quint64 drag = 0);
+  /// Of interest; errors are measured for each. std::nullopt: the scene's own.
+  void editRegions(const std::optional<std::vector<Region>>&, const QString& what, quint64 drag = 0);
+  /// As they stand: the preset's, or the scene's.
+  std::vector<Region> regions() const;
+  /// All of another experiment, camera included; this one's file stays. One step of undo.
+  void restore(const Preset&, const QString& what);
   /// A number for a new drag.
   quint64 newDrag() { return ++lastDrag_; }
 
@@ -57,6 +63,7 @@ class Document : public QObject {
   void techniqueChanged();
   void displayChanged();
   void cameraChanged(bool fromOutside);        ///< false: moved through moveCamera
+  void regionsChanged();
   void sceneChanged();                         ///< another scene, or its lights
   void modifiedChanged(bool modified);
   void openedFile(const QString& path, const QStringList& warnings);
@@ -83,6 +90,7 @@ class Document : public QObject {
   std::optional<std::string> saving_;          // likewise, while the write runs
   std::map<std::string, std::map<std::string, std::string>> otherTechniques_;  // parameters of those not shown now
   std::optional<LightEdits> sceneLights_;      // as the scene's file has them
+  std::vector<Region> sceneRegions_;           // likewise
   std::shared_ptr<const Scene> scene_;
   quint64 lastDrag_ = 0, edits_ = 0;
   int opening_ = 0;

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/session/session.h"
 
@@ -32,6 +33,9 @@ class EngineLink : public QObject {
   virtual void setDisplay(const Display&) = 0;
   virtual void pick(int x, int y) = 0;
   virtual void setReferenceWanted(bool) = 0;
+  /// FrameResult::images of the frames from now on; one frame comes at once, paused or not.
+  virtual void setImagesWanted(const std::vector<std::string>& names) = 0;
+  virtual void setRegions(const std::optional<std::vector<Region>>&) = 0;  ///< none: the scene's
   virtual void setWorkPaused(bool) = 0;
   virtual void cancelWork() = 0;
   virtual void restartWork() = 0;
@@ -42,6 +46,7 @@ class EngineLink : public QObject {
   /// Written off the window's thread. Answered by saved() or failed().
   virtual void savePreset(const Preset&, const QString& path) = 0;
   virtual void saveScene(std::shared_ptr<const FrameResult>, const QString& path) = 0;
+  /// By the extension: .png what the frame shows, .exr its linear picture, which must be among its images.
   virtual void saveScreenshot(std::shared_ptr<const FrameResult>, const Preset&, const QString& path) = 0;
 
   /// Starts a new session where the old one has lost its device; whatever it held is gone.

@@ -6,6 +6,7 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QSplitter>
+#include <QTabWidget>
 #include <QTableWidget>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -34,6 +35,7 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
       axis_(new QComboBox(this)),
       table_(new QTableWidget(0, ColumnCount, this)),
       hint_(new QLabel(this)),
+      pages_(new QTabWidget(this)),
       plot_(new ErrorPlot(this)),
       work_(new WorkLine(tr("Reference"), this)) {
   auto* column = new QVBoxLayout(this);
@@ -71,7 +73,7 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   leftColumn->addWidget(plot_, 1);
   splitter->addWidget(left);
 
-  auto* right = new QWidget(splitter);
+  auto* right = new QWidget;
   auto* rightColumn = new QVBoxLayout(right);
   rightColumn->setContentsMargins(0, 0, 0, 0);
   hint_->setWordWrap(true);
@@ -95,7 +97,9 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   const int widths[ColumnCount] = {8, 8, 17, 8, 17, 8};
   for (int c = 0; c < ColumnCount; ++c) table_->setColumnWidth(c, widths[c] * em);
   rightColumn->addWidget(table_, 1);
-  splitter->addWidget(right);
+  pages_->addTab(right, tr("Errors"));
+  pages_->setDocumentMode(true);
+  splitter->addWidget(pages_);
   splitter->setSizes({900, 1100});
   splitter->setChildrenCollapsible(false);
   column->addWidget(splitter, 1);
@@ -108,6 +112,8 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   connect(&timer_, &QTimer::timeout, this, &ErrorPanel::draw);
   draw();
 }
+
+void ErrorPanel::addPage(QWidget* page, const QString& title) { pages_->addTab(page, title); }
 
 void ErrorPanel::setReferenceWanted(bool wanted) { wanted_->setChecked(wanted); }
 

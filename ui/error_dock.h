@@ -10,6 +10,7 @@ class QCheckBox;
 class QComboBox;
 class QLabel;
 class QTableWidget;
+class QTabWidget;
 
 namespace hl::ui {
 
@@ -24,6 +25,8 @@ class ErrorPanel : public QWidget {
   void showFrame(std::shared_ptr<const FrameResult>);
   /// Whether the reference is being traced; also turned on when someone asks to see it.
   void setReferenceWanted(bool);
+  /// A page beside the table.
+  void addPage(QWidget*, const QString& title);
 
  protected:
   void showEvent(QShowEvent*) override;
@@ -39,6 +42,7 @@ class ErrorPanel : public QWidget {
   QComboBox* axis_;
   QTableWidget* table_;
   QLabel* hint_;
+  QTabWidget* pages_;
   ErrorPlot* plot_;
   WorkLine* work_;
   QTimer timer_;

@@ -2,6 +2,7 @@
 
 #include <QJsonDocument>
 #include <QJsonObject>
+#include <cctype>
 
 #include "engine/core/error.h"
 #include "engine/core/files.h"
@@ -10,7 +11,6 @@
 #include "engine/scene/scene_file.h"
 
 namespace hl::ui {
-namespace {
 
 std::string provenanceJson(const FrameResult& f) {
   const Provenance& p = f.provenance;
@@ -24,13 +24,20 @@ std::string provenanceJson(const FrameResult& f) {
   return QJsonDocument(o).toJson(QJsonDocument::Compact).toStdString();
 }
 
-}  // namespace
-
 void writeScreenshot(const FrameResult& frame, const Preset& preset, const std::filesystem::path& path) {
   if (frame.display.empty()) throw Error(ErrorKind::Run, "screenshot: there is no frame yet");
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension != ".png" && extension != ".exr") throw badInput(path.string() + ": screenshots are written as .png (as shown) or .exr (linear)");
   Image image(frame.width, frame.height, 3);
-  for (size_t i = 0; i < image.pixels(); ++i)
-    for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(frame.display[i * 4 + c]) / 255.0f;
+  if (extension == ".exr") {
+    const auto found = frame.images.find("final");
+    if (found == frame.images.end()) throw Error(ErrorKind::Run, "screenshot: the frame came without its linear picture");
+    image = *found->second;
+  } else {
+    for (size_t i = 0; i < image.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) image.data[i * 3 + c] = static_cast<float>(frame.display[i * 4 + c]) / 255.0f;
+  }
   image.metadata[kPresetAttribute] = presetJson(preset);
   image.metadata[kProvenanceAttribute] = provenanceJson(frame);
   writeImage(path, image);

@@ -7,7 +7,9 @@
 
 namespace hl::ui {
 
-/// What the viewport shows, at the frame's own resolution, as PNG with the preset and the provenance in its attributes.
+/// Where a frame's numbers come from, as one JSON object.
+std::string provenanceJson(const FrameResult&);
+/// By the extension: PNG of what the viewport shows, at the frame's own resolution, or EXR of the linear picture; preset and provenance in attributes.
 void writeScreenshot(const FrameResult&, const Preset&, const std::filesystem::path&);
 /// The scene's JSON with its edited lights and cameras.
 void writeScene(const FrameResult&, const std::filesystem::path&);

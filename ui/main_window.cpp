@@ -1,6 +1,7 @@
 #include "ui/main_window.h"
 
 #include <QApplication>
+#include <QDialog>
 #include <QDockWidget>
 #include <QLabel>
 #include <QMetaObject>
@@ -13,6 +14,7 @@
 
 #include "engine/scene/scene_file.h"
 #include "ui/error_dock.h"
+#include "ui/inspector.h"
 #include "ui/log_dock.h"
 #include "ui/preset_actions.h"
 #include "ui/profiler_dock.h"
@@ -37,6 +39,8 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
     : link_(link),
       settings_(settings),
       document_(link, catalog_),
+      feed_(link),
+      compare_(link, document_, feed_),
       palette_(&settings),
       passes_(palette_),
       bookmarks_(settings) {
@@ -52,11 +56,12 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   column->addWidget(bar_);
   column->addWidget(viewport_, 1);
   setCentralWidget(centre);
-  files_ = new PresetActions(document_, link_, settings_, this);
+  files_ = new PresetActions(document_, link_, feed_, settings_, this);
   buildDocks();
   buildMenus();
   buildStatusBar();
   connectEngine();
+  connectTools();
   restoreLayout();
   updateTitle();
   viewport_->setWaiting(tr("Starting the engine..."));
@@ -69,7 +74,11 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   document_.open(fileToOpen);
 }
 
-MainWindow::~MainWindow() = default;
+/// Panels and dialogs first: they still use what this window has.
+MainWindow::~MainWindow() {
+  for (QDialog* dialog : findChildren<QDialog*>(QString(), Qt::FindDirectChildrenOnly)) delete dialog;
+  for (QDockWidget* dock : docks_) delete dock;
+}
 
 void MainWindow::buildStatusBar() {
   status_ = new QLabel(this);
@@ -107,7 +116,7 @@ void MainWindow::connectEngine() {
   });
   connect(&document_, &Document::openedFile, this, [this](const QString& path, const QStringList& warnings) {
     for (const QString& w : warnings) logWarning(w.toStdString());
-    showError(warnings.join('\n'));
+    showError(warnings.join(QStringLiteral("; ")));
     if (!path.isEmpty()) statusBar()->showMessage(tr("Opened %1").arg(path), 5000);
     updateTitle();
   });
@@ -119,6 +128,16 @@ void MainWindow::connectEngine() {
   connect(&document_, &Document::displayChanged, this, &MainWindow::wantReferenceForView);
   connect(&document_, &Document::cameraChanged, this, [this](bool fromOutside) {
     if (fromOutside) giveViewportCamera();
+  });
+  connect(&compare_, &Compare::picturesChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::choiceChanged, this, &MainWindow::showComparison);
+  connect(&compare_, &Compare::referenceNeeded, this, [this] { errors_->setReferenceWanted(true); });
+  connect(&compare_, &Compare::snapshotTaken, this, [this](int id) { statusBar()->showMessage(tr("Kept as %1").arg(compare_.snapshots().find(id)->name), 4000); });
+  connect(&compare_.snapshots(), &Snapshots::refused, this, [this](const QString& why) { showError(why); });
+  connect(viewport_, &Viewport::wipeMoved, this, [this](double share) {
+    CompareChoice c = compare_.choice();
+    c.wipe = share;
+    compare_.choose(c);
   });
   connect(viewport_, &Viewport::cameraMoved, &document_, &Document::moveCamera);
   connect(viewport_, &Viewport::referenceHeld, this, &MainWindow::holdReference);
@@ -196,6 +215,7 @@ void MainWindow::updatePanels() {
   technique_->showFrame(*frame_);
   scenePanel_->showFrame(*frame_);
   errors_->showFrame(frame_);
+  inspector_->showFrame(frame_);
   const Provenance& p = frame_->provenance;
   QString text = tr("%1   %2   %3 \u00d7 %4").arg(QString::fromStdString(p.device), QString::fromStdString(p.tracer)).arg(frame_->width).arg(frame_->height);
   text += QStringLiteral("   ") + (frame_->settled ? tr("settled") : frame_->technique.running ? tr("baking") : frame_->reference.running ? tr("tracing the reference") : tr("rendering"));
@@ -267,6 +287,7 @@ void MainWindow::restartEngine() {
   showError({});
   link_.restart();
   document_.sendAll();
+  feed_.sendAll();
 }
 
 }  // namespace hl::ui

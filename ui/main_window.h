@@ -7,7 +7,9 @@
 
 #include "ui/bookmarks.h"
 #include "ui/catalog.h"
+#include "ui/compare.h"
 #include "ui/document.h"
+#include "ui/image_feed.h"
 #include "ui/palette.h"
 #include "ui/pass_table.h"
 
@@ -18,10 +20,13 @@ class QToolButton;
 
 namespace hl::ui {
 
+class ComparePanel;
 class ErrorPanel;
+class InspectorPanel;
 class LogPanel;
 class PresetActions;
 class ProfilerPanel;
+class RegionsEditor;
 class ScenePanel;
 class ShaderWatcher;
 class TechniquePanel;
@@ -37,11 +42,15 @@ class MainWindow : public QMainWindow {
 
   Document& document() { return document_; }
   Viewport& viewport() { return *viewport_; }
+  Compare& compare() { return compare_; }
   TechniquePanel& techniquePanel() { return *technique_; }
   QList<QDockWidget*> docks() const { return docks_; }
   QString noticeText() const { return error_; }
 
  public slots:
+  /// "tune", "compare" or "profile", as it was left; the present one is kept.
+  void switchLayout(const QString& id);
+  /// The present one as it was meant.
   void resetLayout();
   void showShortcuts();
 
@@ -55,11 +64,15 @@ class MainWindow : public QMainWindow {
   QDockWidget* addDock(const QString& name, const QString& title, QWidget* panel);
   void buildDocks();
   void buildMenus();
+  void buildCompareMenu();
+  void showComparison();
   void buildStatusBar();
   void connectEngine();
   void listFiles();
   void saveLayout();
   void restoreLayout();
+  void arrange(const QString& id);
+  void showLayout(const QString& id);
 
   void onFrame();
   void updatePanels();
@@ -69,6 +82,8 @@ class MainWindow : public QMainWindow {
   void updateNotice();
   void updateTitle();
   void holdReference(bool held);
+  void connectTools();
+  void updateRegions();
   void wantReferenceForView();
   void goToBookmark(int number);
   void storeBookmark(int number);
@@ -81,6 +96,8 @@ class MainWindow : public QMainWindow {
   Settings& settings_;
   Catalog catalog_;
   Document document_;
+  ImageFeed feed_;
+  Compare compare_;
   PassPalette palette_;
   PassModel passes_;
   Bookmarks bookmarks_;
@@ -90,13 +107,19 @@ class MainWindow : public QMainWindow {
   ScenePanel* scenePanel_;
   ProfilerPanel* profiler_;
   ErrorPanel* errors_;
+  RegionsEditor* regions_;
+  ComparePanel* comparePanel_;
+  InspectorPanel* inspector_;
   LogPanel* log_;
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;
   QList<QDockWidget*> docks_;
-  QByteArray defaultLayout_;
+  QString layout_;
+  std::vector<std::pair<QString, QAction*>> layoutActions_;
   QAction* reloadOnChange_ = nullptr;
   QAction* pause_ = nullptr;
+  QAction* regionTool_ = nullptr;
+  QAction* showRegions_ = nullptr;
 
   QLabel* status_ = nullptr;
   QProgressBar* loading_ = nullptr;

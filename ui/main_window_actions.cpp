@@ -1,5 +1,6 @@
 // The window's menus, keys and what they do.
 #include <QAction>
+#include <QActionGroup>
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
@@ -8,13 +9,18 @@
 #include <QMimeData>
 #include <QStatusBar>
 #include <algorithm>
+#include <tuple>
 
 #include "ui/error_dock.h"
+#include "ui/figure_dialog.h"
+#include "ui/inspector.h"
 #include "ui/main_window.h"
 #include "ui/preset_actions.h"
+#include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/shortcuts_dialog.h"
 #include "ui/viewport.h"
+#include "ui/viewport_bar.h"
 
 namespace hl::ui {
 namespace {
@@ -27,6 +33,11 @@ constexpr double kExposureLimit = 20;
 void MainWindow::buildMenus() {
   QMenu* file = menuBar()->addMenu(tr("&File"));
   files_->fill(*file);
+  file->addAction(tr("Export &figure..."), QKeySequence(Qt::CTRL | Qt::Key_E), this, [this] {
+    auto* dialog = new FigureDialog(compare_, document_, feed_, this);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->open();
+  });
   file->addSeparator();
   file->addAction(tr("&Quit"), QKeySequence::Quit, this, &QWidget::close);
 
@@ -46,13 +57,39 @@ void MainWindow::buildMenus() {
     document_.editDisplay(d, tr("invalid pixels"));
   });
   view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] {
+    regionTool_->setChecked(false);
     viewport_->hidePick();
     viewport_->setFocus();
   });
+  regionTool_ = view->addAction(tr("Draw regions"), QKeySequence(Qt::Key_R), this, [] {});
+  regionTool_->setCheckable(true);
+  showRegions_ = view->addAction(tr("Show regions"), QKeySequence(Qt::SHIFT | Qt::Key_R), this, [] {});
+  showRegions_->setCheckable(true);
+  connect(regionTool_, &QAction::toggled, this, [this](bool on) {
+    viewport_->setRegionTool(on);
+    if (on) showRegions_->setChecked(true);
+  });
+  connect(showRegions_, &QAction::toggled, this, &MainWindow::updateRegions);
+  bar_->addTool(regionTool_);
+  view->addAction(tr("Enlarge the picture"), QKeySequence(Qt::CTRL | Qt::Key_Plus), viewport_, &Viewport::zoomIn);
+  view->addAction(tr("Make the picture smaller"), QKeySequence(Qt::CTRL | Qt::Key_Minus), viewport_, &Viewport::zoomOut);
+  view->addAction(tr("Whole picture"), QKeySequence(Qt::CTRL | Qt::Key_0), viewport_, &Viewport::zoomToFit);
   view->addSeparator();
   for (QDockWidget* dock : docks_) view->addAction(dock->toggleViewAction());
-  view->addAction(tr("Reset &layout"), this, &MainWindow::resetLayout);
+  QMenu* layouts = view->addMenu(tr("&Layout"));
+  auto* layoutGroup = new QActionGroup(this);
+  const std::tuple<QString, QString, int> named[] = {{QStringLiteral("tune"), tr("&Tune"), Qt::Key_1}, {QStringLiteral("compare"), tr("&Compare"), Qt::Key_2}, {QStringLiteral("profile"), tr("&Profile"), Qt::Key_3}};
+  for (const auto& [id, name, key] : named) {
+    QAction* action = layouts->addAction(name, QKeySequence(Qt::ALT | key), this, [this, id = id] { switchLayout(id); });
+    action->setCheckable(true);
+    layoutGroup->addAction(action);
+    layoutActions_.emplace_back(id, action);
+  }
+  layouts->addSeparator();
+  layouts->addAction(tr("&Reset layout"), this, &MainWindow::resetLayout);
   view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
+
+  buildCompareMenu();
 
   QMenu* run = menuBar()->addMenu(tr("&Run"));
   pause_ = run->addAction(tr("&Pause"), QKeySequence(Qt::Key_P), this, [this] { setPaused(pause_->isChecked()); });
@@ -77,6 +114,68 @@ void MainWindow::buildMenus() {
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->open();
   });
+}
+
+void MainWindow::buildCompareMenu() {
+  QMenu* menu = menuBar()->addMenu(tr("&Compare"));
+  menu->addAction(tr("&Take a snapshot"), QKeySequence(Qt::Key_C), &compare_, &Compare::takeSnapshot);
+  menu->addSeparator();
+  auto* group = new QActionGroup(this);
+  const std::tuple<QString, CompareMode, int> modes[] = {{tr("&Off"), CompareMode::Off, Qt::Key_F2},
+                                                         {tr("Wipe, &left and right"), CompareMode::WipeAcross, Qt::Key_F3},
+                                                         {tr("Wipe, &above and below"), CompareMode::WipeDown, Qt::Key_F4},
+                                                         {tr("&Flicker"), CompareMode::Flicker, Qt::Key_F6},
+                                                         {tr("&Side by side"), CompareMode::SideBySide, Qt::Key_F7},
+                                                         {tr("&Difference"), CompareMode::Difference, Qt::Key_F8},
+                                                         {tr("&Error map"), CompareMode::ErrorMap, Qt::Key_F9}};
+  for (const auto& [name, mode, key] : modes) {
+    QAction* action = menu->addAction(name, QKeySequence(key), this, [this, mode = mode] {
+      CompareChoice c = compare_.choice();
+      c.mode = mode;
+      compare_.choose(c);
+      if (auto* dock = findChild<QDockWidget*>(QStringLiteral("compareDock")); mode != CompareMode::Off && !dock->isHidden()) dock->raise();
+    });
+    action->setCheckable(true);
+    action->setChecked(mode == CompareMode::Off);
+    group->addAction(action);
+    connect(&compare_, &Compare::choiceChanged, action, [this, action, mode = mode] { action->setChecked(compare_.choice().mode == mode); });
+  }
+  menu->addSeparator();
+  menu->addAction(tr("S&wap A and B"), QKeySequence(Qt::Key_X), &compare_, &Compare::swap);
+}
+
+/// Inspector and regions: what the viewport's gestures mean to the docks, and back.
+void MainWindow::connectTools() {
+  connect(viewport_, &Viewport::inspectWanted, this, [this](int x, int y) {
+    auto* dock = findChild<QDockWidget*>(QStringLiteral("inspectorDock"));
+    dock->show();
+    dock->raise();
+    inspector_->inspect(x, y);
+  });
+  connect(inspector_, &InspectorPanel::pixelChanged, viewport_, [this](int x, int y) { viewport_->setMarkedPixel(QPoint(x, y)); });
+  connect(inspector_, &InspectorPanel::referenceNeeded, this, [this] { errors_->setReferenceWanted(true); });
+  connect(viewport_, &Viewport::regionDrawn, this, [this](const QRectF& shares) {
+    showRegions_->setChecked(true);
+    regions_->add(shares);
+    statusBar()->showMessage(tr("Its errors are in the Error dock"), 4000);
+  });
+  connect(regions_, &RegionsEditor::drawWanted, regionTool_, [this] { regionTool_->setChecked(true); });
+  connect(regions_, &RegionsEditor::shown, showRegions_, &QAction::setChecked);
+  connect(&document_, &Document::regionsChanged, this, &MainWindow::updateRegions);
+}
+
+void MainWindow::updateRegions() { viewport_->setRegions(showRegions_->isChecked() ? document_.regions() : std::vector<Region>()); }
+
+void MainWindow::showComparison() {
+  const CompareChoice& c = compare_.choice();
+  ShownComparison shown;
+  shown.pictures = compare_.pictures();
+  // Until those of a new mode are there, the old ones stay as they were meant.
+  shown.mode = c.mode == CompareMode::Off || shown.pictures.a.isNull() ? c.mode : shown.pictures.mode;
+  shown.nameA = compare_.nameOf(c.a), shown.nameB = compare_.nameOf(c.b);
+  shown.note = compare_.note();
+  shown.wipe = c.wipe, shown.flickerHz = c.flickerHz;
+  viewport_->setComparison(shown);
 }
 
 void MainWindow::showShortcuts() {

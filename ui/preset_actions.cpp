@@ -8,6 +8,7 @@
 #include <QMimeData>
 #include <QUrl>
 
+#include "ui/image_feed.h"
 #include "ui/settings.h"
 
 namespace hl::ui {
@@ -18,8 +19,9 @@ const QString kRecentKey = QStringLiteral("recentFiles"), kFolderKey = QStringLi
 
 }  // namespace
 
-PresetActions::PresetActions(Document& document, EngineLink& link, Settings& settings, QWidget* window)
-    : QObject(window), document_(document), link_(link), settings_(settings), window_(window) {
+PresetActions::PresetActions(Document& document, EngineLink& link, ImageFeed& feed, Settings& settings, QWidget* window)
+    : QObject(window), document_(document), link_(link), feed_(feed), settings_(settings), window_(window) {
+  connect(&link_, &EngineLink::frameReady, this, &PresetActions::onFrame);
   connect(&document_, &Document::openedFile, this, [this](const QString& path, const QStringList&) {
     if (path.contains('/')) remember(path);  // not a scene's name
   });
@@ -45,7 +47,7 @@ void PresetActions::fill(QMenu& menu) {
   add(tr("Save preset &as..."), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S), &PresetActions::saveAs);
   add(tr("Save sc&ene as..."), {}, &PresetActions::saveSceneAs);
   menu.addSeparator();
-  add(tr("Screens&hot..."), QKeySequence(Qt::Key_F12), &PresetActions::takeScreenshot);
+  add(tr("Save screens&hot..."), QKeySequence(Qt::Key_F12), &PresetActions::takeScreenshot);
 }
 
 void PresetActions::setPresets(const std::vector<PresetListing>& presets) {
@@ -112,18 +114,48 @@ void PresetActions::saveSceneAs() {
 }
 
 void PresetActions::takeScreenshot() {
-  const auto frame = link_.latest();  // of this moment, whatever the dialog takes
-  if (!frame) return;
-  auto* dialog = new QFileDialog(window_, tr("Save screenshot"), startFolder(), tr("PNG images (*.png)"));
+  if (!link_.latest()) return;
+  shotWanted_ = true;
+  shot_.reset();
+  shotPath_.clear();
+  feed_.want(this, {"final"});
+  onFrame();
+  auto* dialog = new QFileDialog(window_, tr("Save screenshot"), startFolder(), tr("As shown (*.png);;Linear picture (*.exr)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setAcceptMode(QFileDialog::AcceptSave);
   dialog->setDefaultSuffix(QStringLiteral("png"));
-  dialog->selectFile(QStringLiteral("halflight-%1.png").arg(QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"))));
-  connect(dialog, &QFileDialog::fileSelected, this, [this, frame](const QString& path) {
+  connect(dialog, &QFileDialog::filterSelected, dialog,
+          [dialog](const QString& filter) { dialog->setDefaultSuffix(filter.contains(QStringLiteral("*.exr")) ? QStringLiteral("exr") : QStringLiteral("png")); });
+  dialog->selectFile(QStringLiteral("halflight-%1").arg(QDateTime::currentDateTime().toString(QStringLiteral("yyyyMMdd-HHmmss"))));
+  connect(dialog, &QFileDialog::fileSelected, this, [this](const QString& path) {
     settings_.setValue(kFolderKey, QFileInfo(path).path());
-    link_.saveScreenshot(frame, frame->preset, path);
+    shotPath_ = path;
+    writeScreenshot();
+  });
+  connect(dialog, &QFileDialog::rejected, this, [this] {
+    if (!shotPath_.isEmpty()) return;  // chosen before; it waits for its frame
+    shotWanted_ = false;
+    shot_.reset();
+    feed_.want(this, {});
   });
   dialog->open();
+}
+
+/// The moment's picture, whatever the dialog takes: the first frame that came with what an EXR needs.
+void PresetActions::onFrame() {
+  if (!shotWanted_ || shot_) return;
+  const auto frame = link_.latest();
+  if (!frame || !frame->images.count("final")) return;
+  shot_ = frame;
+  feed_.want(this, {});
+  writeScreenshot();
+}
+
+void PresetActions::writeScreenshot() {
+  if (!shot_ || shotPath_.isEmpty()) return;
+  link_.saveScreenshot(shot_, shot_->preset, shotPath_);
+  shotWanted_ = false;
+  shot_.reset();
 }
 
 void PresetActions::remember(const QString& path) {

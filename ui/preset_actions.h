@@ -12,12 +12,13 @@ class QWidget;
 
 namespace hl::ui {
 
+class ImageFeed;
 class Settings;
 
 class PresetActions : public QObject {
   Q_OBJECT
  public:
-  PresetActions(Document&, EngineLink&, Settings&, QWidget* window);
+  PresetActions(Document&, EngineLink&, ImageFeed&, Settings&, QWidget* window);
   void fill(QMenu& fileMenu);
   void setPresets(const std::vector<PresetListing>&);
   void openPath(const QString& path);
@@ -35,15 +36,22 @@ class PresetActions : public QObject {
 
  private:
   void remember(const QString& path);
+  void onFrame();
+  void writeScreenshot();
   void fillRecent();
   QString startFolder() const;
 
   Document& document_;
   EngineLink& link_;
+  ImageFeed& feed_;
   Settings& settings_;
   QWidget* window_;
   QMenu* recent_ = nullptr;
   QMenu* presets_ = nullptr;
+  // A screenshot on its way: the frame of the moment, as soon as one came with its linear picture, and where it goes, once that was chosen.
+  bool shotWanted_ = false;
+  std::shared_ptr<const FrameResult> shot_;
+  QString shotPath_;
 };
 
 }  // namespace hl::ui

@@ -1,6 +1,8 @@
 #include "ui/session_link.h"
 
 #include <QMetaObject>
+#include <string_view>
+#include <utility>
 
 #include "engine/experiment/open_target.h"
 #include "ui/files.h"
@@ -73,14 +75,21 @@ void SessionLink::open(const QString& path) {
     Preset file = name.empty() ? Preset{} : openTarget(name);
     // A scene or mesh alone changes the scene and nothing else, once there is an experiment to change.
     const bool sceneAlone = !name.empty() && file.file.empty() && file.scene == name;
-    if (sceneAlone && loaded_)
-      s.setScene(name);
-    else
-      s.load(file);
+    const std::vector<std::string> warnings = std::exchange(file.warnings, {});  // told once, by opened()
+    try {
+      if (sceneAlone && loaded_)
+        s.setScene(name);
+      else
+        s.load(file);
+    } catch (const Error& e) {
+      // What is wrong may lie in another file that this one names.
+      if (name.empty() || std::string_view(e.what()).find(name) != std::string_view::npos) throw;
+      throw Error(e.kind(), name + ": " + e.what());
+    }
     loaded_ = true;
     Preset preset = s.preset();
     preset.file = file.file;
-    preset.warnings = file.warnings;
+    preset.warnings = warnings;
     announce(preset, path);
   });
 }
@@ -126,6 +135,13 @@ void SessionLink::pick(int x, int y) {
 }
 void SessionLink::setReferenceWanted(bool wanted) {
   post("reference", [wanted](Session& s) { s.setReferenceWanted(wanted); });
+}
+void SessionLink::setImagesWanted(const std::vector<std::string>& names) {
+  post("images", [names](Session& s) { s.setImagesWanted(names); });
+  thread_->renderOnce();
+}
+void SessionLink::setRegions(const std::optional<std::vector<Region>>& regions) {
+  post("regions", [regions](Session& s) { s.setRegions(regions); });
 }
 void SessionLink::setWorkPaused(bool paused) {
   post("pause work", [paused](Session& s) { s.setWorkPaused(paused); });

@@ -27,6 +27,8 @@ class SessionLink : public EngineLink {
   void setDisplay(const Display&) override;
   void pick(int x, int y) override;
   void setReferenceWanted(bool) override;
+  void setImagesWanted(const std::vector<std::string>& names) override;
+  void setRegions(const std::optional<std::vector<Region>>&) override;
   void setWorkPaused(bool) override;
   void cancelWork() override;
   void restartWork() override;

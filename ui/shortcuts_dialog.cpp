@@ -37,6 +37,11 @@ ShortcutsDialog::ShortcutsDialog(const QMenuBar& menus, QWidget* parent) : QDial
       {tr("Pick a point"), tr("Click")},
       {tr("Reference instead of the picture"), tr("Space, held")},
       {tr("Samples behind a point, and its facts"), tr("Click; Esc hides them")},
+      {tr("Enlarge the picture at the pointer"), tr("Ctrl and wheel")},
+      {tr("Move an enlarged picture"), tr("Ctrl and left drag, or Ctrl and the arrows")},
+      {tr("Move the line of a wipe"), tr("Drag it, or the arrows; with Shift finely")},
+      {tr("Inspect a pixel"), tr("Right click")},
+      {tr("Draw a region of interest"), tr("Ctrl, Shift and left drag; or R, then drag")},
       {tr("Go to a camera"), tr("1 to 9")},
       {tr("Keep the present camera"), tr("Ctrl+1 to Ctrl+9")},
       {tr("Open a preset, scene, mesh or screenshot"), tr("Drop it on the window")},
@@ -45,7 +50,10 @@ ShortcutsDialog::ShortcutsDialog(const QMenuBar& menus, QWidget* parent) : QDial
   for (const QAction* top : menus.actions()) {
     if (!top->menu()) continue;
     QTreeWidgetItem* group = nullptr;
-    for (const QAction* a : top->menu()->actions()) {
+    QList<QAction*> actions = top->menu()->actions();
+    for (qsizetype i = 0; i < actions.size(); ++i)  // those of menus within it too
+      if (const QMenu* inner = actions[i]->menu()) actions += inner->actions();
+    for (const QAction* a : actions) {
       if (a->shortcut().isEmpty()) continue;
       if (!group) group = section(top->text().remove('&'));
       QStringList keys;

@@ -19,6 +19,12 @@ PresetCommand* PresetCommand::opened(Document& document, Preset before, Preset a
   return command;
 }
 
+PresetCommand* PresetCommand::whole(Document& document, Preset before, Preset after, const QString& what) {
+  PresetCommand* command = opened(document, std::move(before), std::move(after), what);
+  command->applied_ = false;
+  return command;
+}
+
 void PresetCommand::undo() { document_.apply(before_, whole_); }
 
 void PresetCommand::redo() {

@@ -14,6 +14,8 @@ class PresetCommand : public QUndoCommand {
   PresetCommand(Document&, Preset before, Preset after, const QString& what, quint64 drag);
   /// An opened file or scene, which the session already shows: the first redo has nothing to do.
   static PresetCommand* opened(Document&, Preset before, Preset after, const QString& what);
+  /// As opened(), for what the session does not show yet.
+  static PresetCommand* whole(Document&, Preset before, Preset after, const QString& what);
   void undo() override;
   void redo() override;
   int id() const override { return 1; }

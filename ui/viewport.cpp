@@ -1,10 +1,13 @@
 #include "ui/viewport.h"
 
+#include <QHash>
 #include <QKeyEvent>
 #include <QMouseEvent>
 #include <QPainter>
 #include <QWheelEvent>
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "ui/pick_overlay.h"
 
@@ -15,6 +18,9 @@ constexpr float kRadiansPerPixel = 0.006f;
 constexpr float kWheelNotch = 120;
 constexpr int kFlyIntervalMs = 16;
 constexpr float kLongestFlyStep = 0.1f;  // s; a stall must not become a leap
+constexpr double kZoomStep = 1.25;
+constexpr double kGrip = 6;  // how near the wipe's line a press takes it [px]
+const QHash<int, QPointF> kArrows{{Qt::Key_Left, {-1, 0}}, {Qt::Key_Right, {1, 0}}, {Qt::Key_Up, {0, -1}}, {Qt::Key_Down, {0, 1}}};
 const QList<int> kFlyKeys{Qt::Key_W, Qt::Key_A, Qt::Key_S, Qt::Key_D, Qt::Key_PageUp, Qt::Key_PageDown};
 
 }  // namespace
@@ -26,6 +32,11 @@ Viewport::Viewport(QWidget* parent) : QWidget(parent) {
   setAttribute(Qt::WA_OpaquePaintEvent);
   flyTimer_.setInterval(kFlyIntervalMs);
   connect(&flyTimer_, &QTimer::timeout, this, &Viewport::flyOn);
+  connect(&flickerTimer_, &QTimer::timeout, this, [this] {
+    flickerSecond_ = !flickerSecond_;
+    update();
+  });
+  setMouseTracking(true);  // the pointer tells where the wipe's line can be taken
 }
 
 void Viewport::showFrame(std::shared_ptr<const FrameResult> frame) {
@@ -60,34 +71,141 @@ void Viewport::setPaused(bool paused) {
 
 void Viewport::hidePick() {
   pickShown_ = false;
+  marked_.reset();
+  bandStart_.reset();
   update();
 }
 
+void Viewport::setComparison(const ShownComparison& comparison) {
+  comparison_ = comparison;
+  if (comparison_.mode != CompareMode::Flicker) {
+    flickerTimer_.stop();
+    flickerSecond_ = false;
+  } else if (const int interval = static_cast<int>(1000 / std::max(0.01, comparison_.flickerHz)); !flickerTimer_.isActive() || flickerTimer_.interval() != interval) {
+    flickerTimer_.start(interval);
+  }
+  update();
+}
+
+QSizeF Viewport::pictureSize() const { return comparing() ? comparison_.pictures.a.size() : image_.size(); }
+
+QRectF Viewport::paneAt(QPointF p) const {
+  const std::vector<QRectF> panes = comparisonPanes(comparing() ? comparison_.mode : CompareMode::Off, rect());
+  for (const QRectF& pane : panes)
+    if (pane.contains(p)) return pane;
+  return panes.front();
+}
+
+void Viewport::setRegions(const std::vector<Region>& regions) {
+  regions_ = regions;
+  update();
+}
+
+void Viewport::setMarkedPixel(std::optional<QPoint> pixel) {
+  marked_ = pixel;
+  update();
+}
+
+void Viewport::setRegionTool(bool on) {
+  regionTool_ = on;
+  bandStart_.reset();
+  on ? setCursor(Qt::CrossCursor) : unsetCursor();
+  update();
+}
+
+QRectF Viewport::drawnShares() const {
+  if (!bandStart_ || image_.isNull()) return {};
+  const QRectF r = view_.place(pictureSize(), paneAt(*bandStart_));
+  const auto edge = [&](double at, double from, double length, int pixels) { return std::clamp(std::round((at - from) / length * pixels), 0.0, static_cast<double>(pixels)); };
+  const double x0 = edge(std::min(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width()), x1 = edge(std::max(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width());
+  const double y0 = edge(std::min(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height()), y1 = edge(std::max(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height());
+  if (x1 - x0 < 1 || y1 - y0 < 1) return {};
+  return {x0 / image_.width(), y0 / image_.height(), (x1 - x0) / image_.width(), (y1 - y0) / image_.height()};
+}
+
+void Viewport::drawOutlines(QPainter& painter) {
+  if (image_.isNull()) return;
+  painter.save();
+  painter.setRenderHint(QPainter::Antialiasing, false);
+  painter.setBrush(Qt::NoBrush);
+  const auto outline = [&](const QRectF& box, const QString& name) {
+    painter.setPen(QPen(Qt::black, 3));
+    painter.drawRect(box);
+    painter.setPen(QPen(QColor(255, 221, 85), 1));
+    painter.drawRect(box);
+    if (name.isEmpty()) return;
+    const QRectF text(box.topLeft() + QPointF(3, 2), QSizeF(fontMetrics().horizontalAdvance(name) + 6, fontMetrics().height()));
+    painter.fillRect(text, QColor(0, 0, 0, 150));
+    painter.drawText(text, Qt::AlignCenter, name);
+  };
+  for (const QRectF& pane : comparisonPanes(comparing() ? comparison_.mode : CompareMode::Off, rect())) {
+    const QRectF r = view_.place(pictureSize(), pane);
+    painter.setClipRect(pane);
+    const auto placed = [&](double x, double y, double w, double h) { return QRectF(r.x() + x * r.width(), r.y() + y * r.height(), w * r.width(), h * r.height()); };
+    for (const Region& region : regions_)
+      outline(placed(static_cast<double>(region.x), static_cast<double>(region.y), static_cast<double>(region.width), static_cast<double>(region.height)), QString::fromStdString(region.name));
+    if (const QRectF band = drawnShares(); !band.isEmpty()) outline(placed(band.x(), band.y(), band.width(), band.height()), {});
+    if (marked_) {
+      const QRectF pixel = placed(marked_->x() / static_cast<double>(image_.width()), marked_->y() / static_cast<double>(image_.height()), 1.0 / image_.width(), 1.0 / image_.height());
+      const double grow = std::max(0.0, (9 - pixel.width()) / 2);
+      outline(pixel.adjusted(-grow, -grow, grow, grow), {});
+    }
+  }
+  painter.restore();
+}
+
 QRectF Viewport::pictureRect() const {
-  if (image_.isNull()) return rect();
-  const QSizeF size = QSizeF(image_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
-  return QRectF(QPointF((width() - size.width()) / 2, (height() - size.height()) / 2), size);
+  if (pictureSize().isEmpty()) return rect();
+  return view_.place(pictureSize(), paneAt({0, 0}));
 }
 
 std::optional<QPoint> Viewport::pixelAt(QPointF p) const {
-  const QRectF r = pictureRect();
+  const QRectF r = view_.place(pictureSize(), paneAt(p));
   if (image_.isNull() || !r.contains(p)) return std::nullopt;
   const int x = static_cast<int>((p.x() - r.x()) / r.width() * image_.width());
   const int y = static_cast<int>((p.y() - r.y()) / r.height() * image_.height());
   return QPoint(std::clamp(x, 0, image_.width() - 1), std::clamp(y, 0, image_.height() - 1));
 }
 
+void Viewport::zoomBy(double factor, std::optional<QPointF> anchor) {
+  const QPointF at = anchor.value_or(paneAt({0, 0}).center());
+  view_.zoomAt(at, factor, pictureSize(), paneAt(at));
+  update();
+}
+
+void Viewport::zoomIn() { zoomBy(kZoomStep); }
+void Viewport::zoomOut() { zoomBy(1 / kZoomStep); }
+void Viewport::zoomToFit() {
+  view_.reset();
+  update();
+}
+
+bool Viewport::onWipe(QPointF p) const {
+  if (!comparing()) return false;
+  const QLineF line = wipeLine(comparison_, view_, rect());
+  if (line.isNull()) return false;
+  return std::abs(comparison_.mode == CompareMode::WipeAcross ? p.x() - line.x1() : p.y() - line.y1()) <= kGrip;
+}
+
+/// The arrows along its way; with Shift a pixel or so at a time.
+bool Viewport::moveWipe(int key, Qt::KeyboardModifiers modifiers) {
+  if (!comparing()) return false;
+  const bool across = comparison_.mode == CompareMode::WipeAcross, down = comparison_.mode == CompareMode::WipeDown;
+  const int direction = (across && key == Qt::Key_Right) || (down && key == Qt::Key_Down) ? 1 : (across && key == Qt::Key_Left) || (down && key == Qt::Key_Up) ? -1 : 0;
+  if (direction == 0) return false;
+  emit wipeMoved(std::clamp(comparison_.wipe + direction * (modifiers & Qt::ShiftModifier ? 0.002 : 0.02), 0.0, 1.0));
+  return true;
+}
+
 void Viewport::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   painter.fillRect(rect(), QColor(38, 38, 38));  // neutral, whatever the theme: it surrounds pictures that are judged
-  if (!image_.isNull()) {
-    const QRectF r = pictureRect();
-    // Pixels are shown as they are when enlarged a good deal, as people judge them; smoothed when they shrink or grow a little.
-    const double scale = r.width() * devicePixelRatioF() / image_.width();
-    painter.setRenderHint(QPainter::SmoothPixmapTransform, scale < 3 && scale != 1);
-    painter.drawImage(r, image_);
-  }
+  if (comparing())
+    paintComparison(painter, comparison_, view_, rect(), flickerSecond_);
+  else if (!image_.isNull())
+    paintPicture(painter, image_, pictureRect());
   if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
+  drawOutlines(painter);
   drawLabels(painter);
 }
 
@@ -104,10 +222,12 @@ void Viewport::drawLabels(QPainter& painter) {
     painter.drawText(box, flags, text);
   };
   const QColor white(255, 255, 255), shade(0, 0, 0, 170);
+  if (comparison_.on() && !spaceHeld_ && !comparison_.pictures.refused.isEmpty()) label(tr("Comparison: %1").arg(comparison_.pictures.refused), Qt::AlignTop | Qt::AlignHCenter, white, shade);
   painter.setRenderHint(QPainter::Antialiasing);
   if (!waiting_.isEmpty() && (image_.isNull() || !cameraKnown_)) label(waiting_, Qt::AlignCenter, white, shade);
   QString title;
   if (spaceHeld_) title = frame_ && frame_->view == "reference" ? tr("Reference") : tr("Reference: waiting for the frame");
+  if (view_.zoom() > 1) title += (title.isEmpty() ? QString() : QStringLiteral("  ")) + tr("%1 \u00d7 (Ctrl+0 shows the whole picture)").arg(view_.zoom(), 0, 'f', 1);
   if (paused_) title += (title.isEmpty() ? QString() : QStringLiteral("  ")) + tr("Paused");
   if (!title.isEmpty()) label(title, Qt::AlignTop | Qt::AlignLeft, white, shade);
   if (const QString facts = pickShown_ && frame_ ? pickedFacts(*frame_) : QString(); !facts.isEmpty())
@@ -122,16 +242,45 @@ void Viewport::moved() {
 void Viewport::mousePressEvent(QMouseEvent* event) {
   lastPosition_ = pressPosition_ = event->position();
   dragged_ = false;
+  const bool band = regionTool_ || (event->modifiers() & (Qt::ControlModifier | Qt::ShiftModifier)) == (Qt::ControlModifier | Qt::ShiftModifier);
+  if (band && event->button() == Qt::LeftButton && !image_.isNull()) {
+    bandStart_ = bandEnd_ = event->position();
+    return;
+  }
+  wipeDragged_ = event->button() == Qt::LeftButton && onWipe(event->position());
 }
 
 void Viewport::mouseMoveEvent(QMouseEvent* event) {
+  if (bandStart_) {
+    bandEnd_ = event->position();
+    update();
+    return;
+  }
+  if (event->buttons() == Qt::NoButton) {
+    if (regionTool_) return;
+    if (onWipe(event->position()))
+      setCursor(comparison_.mode == CompareMode::WipeAcross ? Qt::SplitHCursor : Qt::SplitVCursor);
+    else
+      unsetCursor();
+    return;
+  }
   const QPointF d = event->position() - lastPosition_;
+  if (wipeDragged_) {
+    dragged_ = true;
+    emit wipeMoved(wipeAt(comparison_, view_, rect(), event->position()));
+    return;
+  }
   if (!dragged_ && (event->position() - pressPosition_).manhattanLength() < 4) return;
   dragged_ = true;
   lastPosition_ = event->position();
   const float x = static_cast<float>(d.x()), y = static_cast<float>(d.y());
   const float height = static_cast<float>(std::max(1.0, pictureRect().height()));
   const bool shift = event->modifiers() & Qt::ShiftModifier;
+  if ((event->modifiers() & Qt::ControlModifier) && (event->buttons() & Qt::LeftButton)) {
+    view_.panBy(d, pictureSize(), paneAt(pressPosition_));
+    update();
+    return;
+  }
   if ((event->buttons() & Qt::MiddleButton) || ((event->buttons() & Qt::LeftButton) && shift))
     controller_.pan(-x / height, y / height);
   else if (event->buttons() & Qt::LeftButton)
@@ -144,14 +293,24 @@ void Viewport::mouseMoveEvent(QMouseEvent* event) {
 }
 
 void Viewport::mouseReleaseEvent(QMouseEvent* event) {
-  if (dragged_ || event->button() == Qt::MiddleButton) return;
+  if (bandStart_ && event->button() == Qt::LeftButton) {
+    bandEnd_ = event->position();
+    const QRectF shares = drawnShares();
+    bandStart_.reset();
+    update();
+    if (!shares.isEmpty()) emit regionDrawn(shares);
+    return;
+  }
+  if (std::exchange(wipeDragged_, false) || dragged_ || event->button() == Qt::MiddleButton) return;
   if (const auto pixel = pixelAt(event->position())) {
     pickShown_ = true;
     emit pixelPicked(pixel->x(), pixel->y());
+    if (event->button() == Qt::RightButton) emit inspectWanted(pixel->x(), pixel->y());
   }
 }
 
 void Viewport::mouseDoubleClickEvent(QMouseEvent* event) {
+  if (regionTool_ || event->button() != Qt::LeftButton) return;
   if (const auto pixel = pixelAt(event->position())) emit focusWanted(pixel->x(), pixel->y());
 }
 
@@ -159,6 +318,10 @@ void Viewport::wheelEvent(QWheelEvent* event) {
   const float notches = static_cast<float>(event->angleDelta().y()) / kWheelNotch;
   if (event->buttons() & Qt::RightButton) {
     controller_.changeSpeed(notches > 0 ? 1.25f : 0.8f);
+    return;
+  }
+  if (event->modifiers() & Qt::ControlModifier) {
+    zoomBy(std::pow(kZoomStep, static_cast<double>(notches)), event->position());
     return;
   }
   controller_.dolly(notches);
@@ -181,6 +344,10 @@ void Viewport::keyPressEvent(QKeyEvent* event) {
   } else if (kFlyKeys.contains(key) && !(event->modifiers() & (Qt::ControlModifier | Qt::AltModifier))) {
     keys_.insert(key);
     if (!flyTimer_.isActive()) flyClock_.start(), flyTimer_.start();
+  } else if (const QPointF way = kArrows.value(key); !way.isNull() && (event->modifiers() & Qt::ControlModifier)) {
+    view_.panBy(-way * 40, pictureSize(), paneAt({0, 0}));
+    update();
+  } else if (moveWipe(key, event->modifiers())) {
   } else if (key >= Qt::Key_1 && key <= Qt::Key_9) {
     if (event->modifiers() & Qt::ControlModifier)
       emit bookmarkStored(key - Qt::Key_0);

@@ -10,6 +10,7 @@
 
 #include "engine/session/session.h"
 #include "ui/camera_controller.h"
+#include "ui/comparison_painter.h"
 
 namespace hl::ui {
 
@@ -26,7 +27,14 @@ class Viewport : public QWidget {
   /// What went wrong, over the picture, until it is cleared with "".
   void setNotice(const QString&);
   void setPaused(bool);
-  /// Where the picture lies in the widget.
+  /// In place of the frame's own picture, until one of mode Off; Space still shows the reference.
+  void setComparison(const ShownComparison&);
+  /// Outlines over the picture; {} none.
+  void setRegions(const std::vector<Region>&);
+  /// Outlines this pixel of the frame; none: no more.
+  void setMarkedPixel(std::optional<QPoint>);
+  bool regionTool() const { return regionTool_; }
+  /// Where the picture lies in the widget; side by side, the left one. Zoomed in, it reaches beyond it.
   QRectF pictureRect() const;
   /// The frame's pixel under a point of the widget, if any.
   std::optional<QPoint> pixelAt(QPointF) const;
@@ -40,12 +48,21 @@ class Viewport : public QWidget {
   void referenceHeld(bool held);
   void bookmarkWanted(int number);
   void bookmarkStored(int number);
+  void wipeMoved(double share);
+  void inspectWanted(int x, int y);
+  /// Drawn with the region tool, or with Ctrl and Shift held: in shares of the picture, on whole pixels.
+  void regionDrawn(const QRectF& shares);
 
  public slots:
   /// What the session found under the pixel that focusWanted() named.
   void focusOn(const hl::vec3& point);
   /// The samples of the picked point go out of sight until the next click.
   void hidePick();
+  /// The left button draws regions until it is turned off, or Escape.
+  void setRegionTool(bool);
+  void zoomIn();
+  void zoomOut();
+  void zoomToFit();
 
  protected:
   void paintEvent(QPaintEvent*) override;
@@ -62,6 +79,14 @@ class Viewport : public QWidget {
   void moved();
   void flyOn();
   void drawLabels(QPainter&);
+  bool comparing() const { return comparison_.hasPicture() && !spaceHeld_; }
+  QSizeF pictureSize() const;
+  QRectF paneAt(QPointF) const;
+  void zoomBy(double factor, std::optional<QPointF> anchor = {});
+  bool moveWipe(int key, Qt::KeyboardModifiers);
+  bool onWipe(QPointF) const;
+  QRectF drawnShares() const;  ///< of the rubber band; empty where it is too small to be meant
+  void drawOutlines(QPainter&);
 
   std::shared_ptr<const FrameResult> frame_;
   QImage image_;   // over the frame's own pixels, not a copy
@@ -71,6 +96,15 @@ class Viewport : public QWidget {
   bool pickShown_ = false;  // since the last click, until Escape
   QPointF lastPosition_, pressPosition_;
   std::set<int> keys_;
+  PictureView view_;
+  ShownComparison comparison_;
+  std::vector<Region> regions_;
+  std::optional<QPoint> marked_;
+  std::optional<QPointF> bandStart_;  // the rubber band's, in the widget
+  QPointF bandEnd_;
+  bool regionTool_ = false;
+  bool flickerSecond_ = false, wipeDragged_ = false;
+  QTimer flickerTimer_;
   QTimer flyTimer_;
   QElapsedTimer flyClock_;
 };

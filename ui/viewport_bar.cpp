@@ -8,6 +8,7 @@
 #include <QLabel>
 #include <QRegularExpression>
 #include <QSignalBlocker>
+#include <QToolButton>
 
 #include "engine/metrics/metrics.h"
 
@@ -124,6 +125,13 @@ void ViewportBar::changed(const QString& what, quint64 drag) {
   display.toneMap = static_cast<ToneMap>(toneMap_->currentIndex());
   display.showInvalid = invalid_->isChecked();
   document_.editDisplay(display, what, drag);
+}
+
+void ViewportBar::addTool(QAction* action) {
+  auto* button = new QToolButton(this);
+  button->setDefaultAction(action);
+  button->setAccessibleName(action->text());
+  static_cast<QHBoxLayout*>(layout())->insertWidget(layout()->indexOf(figures_), button);
 }
 
 void ViewportBar::showFrame(const FrameResult& f) {

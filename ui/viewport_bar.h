@@ -4,6 +4,7 @@
 
 #include "ui/document.h"
 
+class QAction;
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
@@ -17,6 +18,8 @@ class ViewportBar : public QWidget {
  public:
   explicit ViewportBar(Document&, QWidget* parent = nullptr);
   void showFrame(const FrameResult&);
+  /// A button for a tool of the viewport.
+  void addTool(QAction*);
 
  private:
   void readDocument();

@@ -10,6 +10,7 @@
 #include "engine/experiment/bundle.h"
 #include "engine/experiment/json_reader.h"
 #include "engine/experiment/preset_parameters.h"
+#include "engine/metrics/metrics.h"
 
 namespace hl {
 namespace {
@@ -72,6 +73,17 @@ void checkParameters(const Preset& preset) {
                       near.empty() ? "`halflight-cli list params` shows all" : fmt::format("did you mean {}?", near)));
     }
     parseParam(*info, text);
+  }
+}
+
+void checkMetrics(const std::vector<std::string>& metrics) {
+  std::vector<std::string> known;
+  for (const MetricInfo& m : metricInfos()) known.emplace_back(m.id);
+  for (const std::string& m : metrics) {
+    if (std::find(known.begin(), known.end(), m) != known.end()) continue;
+    const std::string near = nearest(m, known);
+    throw badInput(fmt::format("unknown metric {}; {}there are {}", m,
+                               near.empty() ? "" : fmt::format("did you mean {}? ", near), fmt::join(known, ", ")));
   }
 }
 

@@ -3,6 +3,7 @@
 // image that carries its preset.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "engine/core/image.h"
 #include "engine/experiment/preset.h"
@@ -20,5 +21,8 @@ Preset openTarget(const std::string& nameOrPath);
 
 /// @throws Error(BadInput) for parameters that the preset's technique does not have, or values out of range.
 void checkParameters(const Preset&);
+
+/// @throws Error(BadInput) naming the nearest known metric.
+void checkMetrics(const std::vector<std::string>&);
 
 }  // namespace hl

@@ -26,6 +26,7 @@ struct Preset {
   std::string cameraName;            ///< a camera of the scene; "" the first
   std::optional<Camera> camera;      ///< set when it was moved: written in place of the name
   std::optional<LightEdits> lights;  ///< JSON key "lights": the whole set, in place of the scene's
+  std::optional<std::vector<Region>> regions;  ///< of interest, in place of the scene's; no picture depends on them
   int width = 640, height = 360;
   uint32_t seed = 1;
   std::string technique = "radiosity";
@@ -41,7 +42,7 @@ Preset presetFromJson(const std::string& text, const std::string& whereFrom);
 /// `resolved`: every parameter with its value, not only those that differ.
 std::string presetJson(const Preset&, bool resolved = false);
 void savePreset(const Preset&, const std::filesystem::path&);
-/// Of its canonical JSON, without display and file: what the numbers depend on.
+/// Of its canonical JSON, without display, regions and file: what the numbers depend on.
 std::string presetHash(const Preset&);
 struct PresetListing {
   std::string id, label;

@@ -6,6 +6,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/experiment/json_reader.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_migration.h"
 #include "engine/experiment/preset_names.h"
@@ -23,7 +24,7 @@ class PresetReader {
 
   void read(const JsonReader& root) {
     known(root,
-          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "display"});
+          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "regions", "display"});
     preset_.scene = root.at("scene").text();
     if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
     if (root.has("camera")) readCamera(root.at("camera"));
@@ -34,6 +35,7 @@ class PresetReader {
     if (root.has("seed")) preset_.seed = static_cast<uint32_t>(root.at("seed").whole(0, 0xffffffffLL));
     if (root.has("technique")) readTechnique(root.at("technique"));
     if (root.has("parameters")) readParameters(root.at("parameters"));
+    if (root.has("regions")) readRegions(root.at("regions"));
     if (root.has("display")) readDisplay(root.at("display"));
   }
 
@@ -98,6 +100,25 @@ class PresetReader {
     preset_.lights = lights;
   }
 
+  /// As in scene files.
+  void readRegions(const JsonReader& node) {
+    std::vector<Region> regions;
+    for (const JsonReader& n : node.elements("an array of regions")) {
+      known(n, {"name", "x", "y", "width", "height"});
+      Region r;
+      r.name = n.at("name").text();
+      for (const auto& [key, value] : {std::pair{"x", &r.x}, {"y", &r.y}, {"width", &r.width}, {"height", &r.height}})
+        if (n.has(key)) *value = n.at(key).number(0, 1);
+      regions.push_back(r);
+    }
+    try {
+      checkRegions(regions);
+    } catch (const Error& e) {
+      throw node.refused(e.what());
+    }
+    preset_.regions = regions;
+  }
+
   static float angle(const JsonReader& node, float low, float high) {
     node.number(low, high);
     return radiansOf(node.json().get<double>());
@@ -150,30 +171,6 @@ class PresetReader {
         if (!newer_) throw;
         preset_.warnings.push_back(fmt::format("{}; passed over", e.what()));
       }
-    }
-  }
-
-  static std::string parameterText(const JsonReader& node, const ParamInfo& info) {
-    std::string text;
-    switch (info.type) {
-      case ParamType::Bool:
-        return node.boolean() ? "true" : "false";
-      case ParamType::Float:
-        text = shortestText(node.number());
-        break;
-      case ParamType::Enum:
-        text = node.text();
-        break;
-      case ParamType::Int:
-        if (!node.json().is_number_integer())
-          throw node.refused(fmt::format("a whole number in {} is wanted, not {}", rangeText(info), node.found()));
-        text = node.json().dump();
-        break;
-    }
-    try {
-      return formatParam(info, parseParam(info, text));
-    } catch (const Error& e) {
-      throw node.refused(e.what());
     }
   }
 

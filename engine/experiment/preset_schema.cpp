@@ -64,6 +64,13 @@ Json parameterSchema(const ParamInfo& p) {
   return out;
 }
 
+Json regionsSchema() {
+  const Json share = {{"type", "number"}, {"minimum", 0}, {"maximum", 1}};
+  return {{"type", "array"},
+          {"description", "Regions of interest, in place of the scene's: rectangles in shares of the picture, from its top left corner."},
+          {"items", objectSchema({{"name", {{"type", "string"}}}, {"x", share}, {"y", share}, {"width", share}, {"height", share}}, {"name"})}};
+}
+
 Json lightsSchema() {
   const Json name = {{"type", "string"}};
   const Json position = vectorSchema("World position [m].");
@@ -128,6 +135,7 @@ std::string presetSchema() {
        {{"type", "string"}, {"minLength", 1}, {"description", "A scene's name, or the path of a scene or mesh file."}}},
       {"camera", cameraSchema()},
       {"lights", lightsSchema()},
+      {"regions", regionsSchema()},
       {"sky", vectorSchema("Radiance [W/(sr m^2)] from where nothing is hit; comes with lights.")},
       {"resolution",
        {{"type", "array"},

@@ -9,6 +9,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
+#include "engine/experiment/parameter_json.h"
 #include "engine/experiment/preset.h"
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
@@ -82,19 +83,15 @@ Json lightsJson(const LightEdits& lights) {
   return out;
 }
 
-Json parameterJson(const ParamInfo& info, const std::string& text) {
-  const ParamValue value = parseParam(info, text);
-  switch (info.type) {
-    case ParamType::Bool:
-      return std::get<int32_t>(value) != 0;
-    case ParamType::Int:
-      return std::get<int32_t>(value);
-    case ParamType::Float:
-      return number(std::get<float>(value), "parameter");
-    case ParamType::Enum:
-      return formatParam(info, value);
-  }
-  return nullptr;
+Json regionsJson(const std::vector<Region>& regions) {
+  Json out = Json::array();
+  for (const Region& r : regions)
+    out.push_back({{"name", r.name},
+                   {"x", number(r.x, "regions: x")},
+                   {"y", number(r.y, "regions: y")},
+                   {"width", number(r.width, "regions: width")},
+                   {"height", number(r.height, "regions: height")}});
+  return out;
 }
 
 Json parametersJson(const Preset& preset, bool resolved) {
@@ -163,7 +160,7 @@ std::string readable(const Json& document) {
   std::string out = "{\n";
   size_t left = document.size();
   for (const auto& [key, value] : document.items()) {
-    const bool spread = (key == "parameters" || key == "lights") && !value.empty();
+    const bool spread = (key == "parameters" || key == "lights" || key == "regions") && !value.empty();
     out += fmt::format("  {}: ", compact(key));
     if (spread) {
       size_t inner = value.size();
@@ -184,6 +181,7 @@ std::string readable(const Json& document) {
 
 std::string presetJson(const Preset& preset, bool resolved) {
   Json document = presetDocument(preset, resolved);
+  if (preset.regions) document["regions"] = regionsJson(*preset.regions);
   document["display"] = displayJson(preset.display);
   return readable(document);
 }
@@ -199,7 +197,9 @@ std::vector<PresetListing> listPresets() {
   std::vector<PresetListing> out;
   const fs::path folder = homeFolder() / "presets";
   if (!fs::is_directory(folder)) return out;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::directory_entry& entry = *at;
+    if (entry.is_directory() && entry.path().filename() == "experiments") at.disable_recursion_pending();  // listExperiments()
     if (entry.path().extension() != ".json") continue;
     PresetListing listing;
     listing.id = fs::relative(entry.path(), folder).replace_extension().generic_string();

@@ -40,8 +40,12 @@ GpuImage recordToneMap(FrameGraph&, const GpuImage& source, const Display&, bool
 std::vector<unsigned char> toneMapOnHost(const Image& rgb, const Display&);
 /// The tone map's number in shaders/shared/tone_map.h.
 uint32_t toneMapCurve(ToneMap);
+/// Signed: from -scale, blue, through 0, near white, to scale, orange: told apart under the common colour deficiencies, and equally dark at both ends.
 enum class ColourScale { Viridis, Magma, Signed };
-/// False colours from 0 to `scale` (Signed: from -scale to scale). RGBA8. What they mean for an error map: error_colours.h.
+/// False colours of a map (the mean of its channels) from 0 to `scale`, or from -scale. RGBA8. What they mean for an error map: error_colours.h.
 std::vector<unsigned char> falseColour(const Image& map, float scale, ColourScale = ColourScale::Viridis);
+/// Where a map's colours end: the quantile 0.98 of its absolute values, so that one bright pixel does not darken all others. Above 0; not finite ones are
+/// passed over.
+float colourScale(const Image& map);
 
 }  // namespace hl

@@ -1,8 +1,12 @@
 #include "engine/scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <glm/vector_relational.hpp>
+#include <set>
 
+#include "engine/core/error.h"
 #include "engine/core/hash.h"
 #include "engine/scene/scene_build.h"
 #include "engine/scene/texture_sampling.h"
@@ -20,7 +24,20 @@ vec3 brightest(const Texture& t) {
 
 bool emits(const Material& m) { return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0; }
 
+constexpr float kRegionSlack = 1e-4f;  // what rounding may add to x + width
+
 }  // namespace
+
+void checkRegions(const std::vector<Region>& regions) {
+  std::set<std::string> names;
+  for (const Region& r : regions) {
+    const bool inside = r.x >= 0 && r.y >= 0 && r.width > 0 && r.height > 0 && r.x + r.width <= 1 + kRegionSlack && r.y + r.height <= 1 + kRegionSlack;
+    if (!inside)
+      throw badInput(fmt::format("region '{}': {:.4g},{:.4g} {:.4g} x {:.4g} reaches beyond the picture or is empty; shares of it in [0, 1] are wanted", r.name,
+                                 r.x, r.y, r.width, r.height));
+    if (r.name.empty() || !names.insert(r.name).second) throw badInput(fmt::format("region '{}': a name of its own is wanted", r.name));
+  }
+}
 
 SceneFeatures sceneFeatures(const Scene& scene) {
   SceneFeatures f;

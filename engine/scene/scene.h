@@ -57,7 +57,11 @@ struct Camera {
 struct Region {
   std::string name;
   float x = 0, y = 0, width = 1, height = 1;
+  bool operator==(const Region&) const = default;
 };
+
+/// @throws Error(BadInput) for one that is empty or reaches beyond the picture, and for names that are missing or not their own.
+void checkRegions(const std::vector<Region>&);
 
 /// What the import changed or passed over; shown by doctor and the Scene dock.
 struct ImportReport {

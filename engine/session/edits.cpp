@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/core/log.h"
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
@@ -191,8 +193,14 @@ void Session::load(const Preset& preset, Progress* progress) {
   auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   if (preset.lights) applyLights(*scene, *preset.lights);
+  const std::vector<Region> ownRegions = scene->regions;
+  if (preset.regions) {
+    checkRegions(*preset.regions);
+    scene->regions = *preset.regions;
+  }
 
   s.install(std::move(scene), p);
+  s.sceneRegions = ownRegions;
   s.preset = preset;
   s.preset.warnings.clear();
   s.otherTechniques.clear();
@@ -214,6 +222,7 @@ void Session::setScene(const std::string& nameOrPath, Progress* progress) {
   next.cameraName.clear();
   next.camera.reset();
   next.lights.reset();
+  next.regions.reset();
   const std::map<std::string, std::map<std::string, std::string>> others = impl_->otherTechniques;
   load(next, progress);
   impl_->otherTechniques = others;
@@ -325,6 +334,24 @@ void Session::setReferenceWanted(bool wanted) {
   impl_->referenceWanted = wanted;
   impl_->referenceStopped = false;
 }
+void Session::setImagesWanted(const std::vector<std::string>& names) {
+  const std::vector<std::string> known = impl_->imageNames();
+  for (const std::string& name : names)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));
+  impl_->imagesWanted = names;
+}
+
+void Session::setRegions(const std::optional<std::vector<Region>>& regions) {
+  Impl& s = *impl_;
+  if (regions) checkRegions(*regions);
+  s.preset.regions = regions;
+  s.scene->regions = regions ? *regions : s.sceneRegions;
+  s.summary = summaryOf(*s.scene);
+  s.measuredSettled = false;
+  s.lastMeasurementMs = -1e9;  // measured with the next frame
+}
+
 void Session::setWorkPaused(bool paused) { impl_->workPaused = paused; }
 void Session::cancelWork() {
   impl_->workStopped = true;

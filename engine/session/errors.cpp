@@ -84,8 +84,19 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
   }
   if (target != "image") throw badInput(fmt::format("error target '{}': it is image or lightmap", target));
   if (!s.full.result) return out;
+  return measureErrorsOf(s.indirectIrradiance(), metrics);
+}
+
+std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics) {
+  Impl& s = *impl_;
+  std::vector<ErrorValue> out;
+  const int bounces = s.technique->transport().bounces;
+  if (!s.full.result) return out;
+  MeasureOptions options;
+  options.appearance = s.appearance();
+  options.pool = &s.pool;
   const SurfaceImages surfaces = s.surfaceImages();
-  const Image direct = s.device.download(s.directImage), indirect = s.indirectIrradiance();
+  const Image direct = s.device.download(s.directImage);
   options.mask = maskOf(surfaces.position);
   if (!anySet(options.mask)) return out;
   const Image final = surfaces.composite(direct, indirect);

@@ -150,9 +150,14 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
   s.device.download(s.displayImage, r.display.data(), r.display.size());
   s.showHostView(r);
+  s.publishImages(r);
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
+  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled())
+    s.settledFrames = s.frameSinceReset, s.settledMs = s.msSinceReset;
+  r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
+  r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;
   r.workMs = s.workMs, r.workUnits = s.workUnitsTimed;
   r.passes = s.frameProfiler.passes();
   r.workPasses = s.workProfiler.passes();
@@ -194,6 +199,16 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (s.atlas) r.atlas = s.atlas->report;
   r.preset = preset();
   return result;
+}
+
+void Session::finishWork(Progress* progress) {
+  Progress& p = progress ? *progress : *impl_->progress;
+  Impl& s = *impl_;
+  if (s.frameNumber == 0 || s.resetWanted || s.techniqueStale) frame(&p);
+  while (!s.workSettled()) {
+    p.check();
+    s.runWork(1000, p);
+  }
 }
 
 std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {

@@ -26,6 +26,11 @@ Mask maskOf(const Image& position) {
   return mask;
 }
 
+uint64_t Session::surfacePixels() {
+  const Mask mask = impl_->surfaceMask();
+  return static_cast<uint64_t>(std::count(mask.begin(), mask.end(), 1));
+}
+
 Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
 
 Image SurfaceImages::composite(const Image& direct, const Image& indirect) const {
@@ -66,12 +71,49 @@ Image Session::Impl::linearImage(const std::string& name) {
     return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(fullBounces()).mean;
   }
   if (name == "reference") return surfaceImages().composite(linearImage("reference_direct"), linearImage("reference_indirect"));
+  if (name == "reference_matched" || name == "reference_matched_indirect") {
+    const ReferenceRun* run = matchedRun();
+    if (!run) throw badInput(fmt::format("image '{}': there is no matched reference yet", name));
+    const Image irradiance = run->result->indirectImage(technique->transport().bounces).mean;
+    return name == "reference_matched" ? surfaceImages().composite(run->result->directImage().mean, irradiance) : irradiance;
+  }
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
+  throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(imageNames(), ", ")));
+}
+
+std::vector<std::string> Session::Impl::imageNames() const {
   std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission",
-                                    "reference", "reference_direct", "reference_indirect"};
+                                    "reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
-  throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));
+  return known;
+}
+
+const ReferenceRun* Session::Impl::matchedRun() const {
+  if (!referencesStarted()) return nullptr;  // the technique was changed since
+  const ReferenceRun& run = matched.tracer ? matched : full;
+  return run.result ? &run : nullptr;
+}
+
+void Session::Impl::publishImages(FrameResult& r) {
+  std::map<std::string, KeptImage> kept;
+  const std::vector<std::string> known = imageNames();
+  for (const std::string& name : imagesWanted) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) continue;  // a debug view of a technique that is gone
+    if (name.rfind("reference", 0) != 0) {
+      r.images[name] = std::make_shared<const Image>(linearImage(name));
+      continue;
+    }
+    const bool limited = name.rfind("reference_matched", 0) == 0;
+    const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
+    if (!run) continue;
+    const int bounces = limited ? technique->transport().bounces : fullBounces();
+    const auto old = keptImages.find(name);
+    const bool same = old != keptImages.end() && old->second.result == run->result && old->second.bounces == bounces;
+    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const Image>(linearImage(name))};
+    r.images[name] = kept[name].image;
+  }
+  keptImages = std::move(kept);
 }
 
 Image Session::image(const std::string& view) {

@@ -61,7 +61,8 @@ void Session::Impl::buildLightmap(Progress& p) {
 void Session::Impl::prepare(Progress& p) {
   if (!displayCounters) displayCounters = device.buffer("display: counters", 2 * sizeof(uint32_t));
   const bool renderable = features.surfaces && features.anyLight();
-  if (!held && renderable) {
+  if (!held && renderable && ((technique->needs().lightmap && (atlasStale || !atlas)) || techniqueStale)) {
+    const double began = nowMs();
     try {
       if (technique->needs().lightmap && (atlasStale || !atlas)) buildLightmap(p);
       if (techniqueStale) {
@@ -85,13 +86,15 @@ void Session::Impl::prepare(Progress& p) {
       message = fmt::format("{}: out of memory", preset.technique);
       logError(message);
     }
+    prepareMs = nowMs() - began;
   }
   if (resetWanted) {
     resetWanted = false;
     if (!held && !techniqueStale) technique->reset();
     directLight->reset();
     frameSinceReset = 0;
-    msSinceReset = 0;
+    msSinceReset = settledMs = 0;
+    settledFrames = 0;
     workMs = 0, workUnitsTimed = 0;
     workStopped = false;
     convergence = std::make_shared<std::vector<ConvergencePoint>>();
@@ -146,14 +149,18 @@ ReferenceSettings Session::Impl::referenceSettings(bool matchedPaths) const {
   return r;
 }
 
-void Session::Impl::startReferences() {
+std::vector<Receiver> Session::Impl::receivers() {
   std::vector<uint32_t> ids(static_cast<size_t>(gbuffer.width) * static_cast<size_t>(gbuffer.height) * 2);
   device.download(gbuffer.ids, ids.data(), ids.size() * sizeof(uint32_t));
-  const std::vector<Receiver> receivers = receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal),
-                                                               device.download(gbuffer.geometricNormal), ids, scene.get());
+  return receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal), device.download(gbuffer.geometricNormal), ids,
+                              scene.get());
+}
+
+void Session::Impl::startReferences() {
+  const std::vector<Receiver> pixels = receivers();
   const auto start = [&](ReferenceRun& run, bool matchedPaths) {
     if (run.tracer) return;
-    run.tracer = std::make_unique<ReferenceTracer>(embree, receivers, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
+    run.tracer = std::make_unique<ReferenceTracer>(embree, pixels, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
     run.tracer->resume();
     run.result = run.tracer->result();
   };
@@ -183,6 +190,16 @@ void Session::Impl::runReference(double budgetMs, Progress& p) {
   }
   referenceMs += nowMs() - start;
 }
+
+std::unique_ptr<ProgressiveTracer> Session::progressiveTracer(uint64_t seed) {
+  Impl& s = *impl_;
+  ReferenceSettings settings = s.referenceSettings(true);
+  settings.seed = seed;
+  settings.maxBounces = s.technique->transport().bounces;
+  return std::make_unique<ProgressiveTracer>(s.embree, s.receivers(), s.gbuffer.width, s.gbuffer.height, settings, s.pool);
+}
+
+unsigned Session::hostThreads() const { return impl_->pool.threads(); }
 
 std::shared_ptr<const ReferenceResult> Session::currentReference() const { return impl_->full.result; }
 

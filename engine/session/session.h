@@ -1,6 +1,7 @@
 #pragma once
 // The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "engine/gpu/profiler.h"
 #include "engine/metrics/metrics.h"
 #include "engine/params/param.h"
+#include "engine/reference/progressive_tracer.h"
 #include "engine/reference/reference.h"
 #include "engine/scene/scene.h"
 #include "engine/techniques/technique.h"
@@ -83,8 +85,12 @@ struct FrameResult {
   std::string view;
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
+  double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
   double workMs = 0;                 ///< that units of long work have taken since the reset
   uint64_t workUnits = 0;            ///< ... and how many
+  double sinceResetMs = 0;           ///< frames and units of work since the reset
+  uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
+  double settledMs = 0;              ///< sinceResetMs at that frame
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
@@ -104,6 +110,8 @@ struct FrameResult {
   uint64_t triangles = 0;
   AtlasReport atlas;                 ///< zero where the technique has no lightmap
   Preset preset;                     ///< as it stands
+  /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
+  std::map<std::string, std::shared_ptr<const Image>> images;
 };
 
 class Session {
@@ -127,6 +135,9 @@ class Session {
   void setDisplay(const Display&);
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
+  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
+  void setImagesWanted(const std::vector<std::string>& names);
+  void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
   void setWorkPaused(bool);
   void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
   void restartWork();
@@ -146,16 +157,26 @@ class Session {
   std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
   /// Frames until nothing would change any more (bake and direct light settled).
   std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
+  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine.
+  void finishWork(Progress* = nullptr);
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
   /// The cache's files of the references that are complete, for bundles.
   std::vector<std::filesystem::path> referenceFiles() const;
 
-  /// Linear images of the last frame: "final", "indirect", "direct", "albedo", a debug view. @throws Error(BadInput) naming the views there are.
+  /// Linear images of the last frame: "final", "indirect", "direct", "albedo", "reference", "reference_matched" (limited to the light paths that the
+  /// technique models), a debug view. @throws Error(BadInput) naming the views there are.
   Image image(const std::string& view);
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
+  /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame.
+  std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics);
+  /// The reference's path tracer as a competitor, at the pixels of the last frame, along the paths that the technique models. Not longer than the session.
+  std::unique_ptr<ProgressiveTracer> progressiveTracer(uint64_t seed);
+  /// Pixels that see a surface: what errors are means over.
+  uint64_t surfacePixels();
+  unsigned hostThreads() const;             ///< that path tracing and host passes use
   Image errorMap(const std::string& metric, const std::string& reference);
   /// Renders so many frames as things stand, and says how much the indirect and the final picture's luminance varied over them: metric "flicker" against
   /// "itself", for the whole image and each region. @throws Error(BadInput) for fewer than two frames.

@@ -52,6 +52,7 @@ struct Session::Impl {
   std::shared_ptr<Scene> scene;
   std::shared_ptr<const Scene> summary;  ///< published with results
   SceneFeatures features;
+  std::vector<Region> sceneRegions;      ///< as the scene's file has them
   std::string transportKey;               ///< of the paths the matched reference was limited to
   bool smoothNormals = false;            ///< some vertex normal differs from its triangle's: mapped and geometric receivers differ
   std::shared_ptr<const EmbreeScene> embree;
@@ -78,7 +79,8 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
-  double msSinceReset = 0;
+  double msSinceReset = 0, prepareMs = 0, settledMs = 0;
+  uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
   BatchTimings lastTimings;
   double workMs = 0;           ///< in the current bake, for the time left
@@ -89,6 +91,14 @@ struct Session::Impl {
   GpuImage directImage, indirectImage, finalImage, displayImage;
   Buffer displayCounters;
   uint32_t nonFinite = 0, negative = 0;
+  std::vector<std::string> imagesWanted;
+  /// Of a reference's result and a number of bounces: they stay the same from frame to frame.
+  struct KeptImage {
+    std::shared_ptr<const ReferenceResult> result;
+    int bounces = 0;
+    std::shared_ptr<const Image> image;
+  };
+  std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
   PickReport pickReport;
   PickedPoint picked;
@@ -134,10 +144,14 @@ struct Session::Impl {
   Image errorMap(const std::string& metric, bool againstFull);
 
   // images.cpp
+  std::vector<Receiver> receivers();
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   void showHostView(FrameResult&);
+  void publishImages(FrameResult&);
+  const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
+  std::vector<std::string> imageNames() const;
   Image linearImage(const std::string& view);
 };
 

@@ -48,7 +48,7 @@ struct SessionThread::Impl {
   std::function<void()> onFrame;
   std::function<void(const Error&)> onError;
   std::vector<Error> undelivered;  ///< raised before anyone listened
-  bool stop = false, started = false, visible = true, paused = false, cancelWanted = false;
+  bool stop = false, started = false, visible = true, paused = false, cancelWanted = false, onceMore = false;
   std::thread thread;
 
   void fail(const Error& error) {
@@ -111,10 +111,11 @@ void SessionThread::Impl::run() {
     {
       std::unique_lock lock(mutex);
       // Unseen, frames go on only as long as there is work between them.
-      const auto mayRun = [&] { return started && !paused && idleFrames < (visible ? kFramesForTiming : 1); };
+      const auto mayRun = [&] { return started && (onceMore || (!paused && idleFrames < (visible ? kFramesForTiming : 1))); };
       wake.wait(lock, [&] { return stop || cancelWanted || !edits.empty() || mayRun(); });
       if (stop) break;
       render = edits.empty() && !cancelWanted;
+      if (render) onceMore = false;
       current = progress;
     }
     if (!render) continue;
@@ -199,6 +200,14 @@ void SessionThread::setVisible(bool visible) {
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->visible = visible;
+  }
+  impl_->wake.notify_all();
+}
+
+void SessionThread::renderOnce() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->onceMore = true;
   }
   impl_->wake.notify_all();
 }

@@ -33,6 +33,8 @@ class SessionThread {
   /// While the viewport is hidden frames go on only as long as there is work between them; both pause when `paused`.
   void setVisible(bool);
   void setPaused(bool);
+  /// One frame more, even where paused or unseen: someone needs what is published with it.
+  void renderOnce();
 
  private:
   struct Impl;

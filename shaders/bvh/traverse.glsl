@@ -1,9 +1,5 @@
 // Casting rays through the four-wide tree of engine/trace/bvh.h. The including file defines HL_ANY (0: closest hit, 1: any hit) and
-// HL_ALPHA (1: the scene has alpha-tested triangles). HL_CPU (default 1) chooses between two ways of saying the same: for lavapipe, where texel
-// buffers are read 1.5 to 2.4 times as fast as storage buffers and a masked store costs more than a plain one; and for GPUs.
-#ifndef HL_CPU
-#define HL_CPU 1
-#endif
+// HL_ALPHA (1: the scene has alpha-tested triangles).
 #include "shaders/shared/ray.h"
 #if HL_ALPHA
 #define HL_SCENE_UVS
@@ -18,17 +14,8 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kStackSize = 64;
 layout(constant_id = 1) const uint kRaysPerThread = 1;
 
-#if HL_CPU
 uniform samplerBuffer nodes;
 uniform samplerBuffer triangles;
-vec4 fetchNode(int i) { return texelFetch(nodes, i); }
-vec4 fetchTriangle(int i) { return texelFetch(triangles, i); }
-#else
-layout(scalar) readonly buffer nodes_block { vec4 nodes[]; };
-layout(scalar) readonly buffer triangles_block { vec4 triangles[]; };
-vec4 fetchNode(int i) { return nodes[i]; }
-vec4 fetchTriangle(int i) { return triangles[i]; }
-#endif
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 #if HL_ANY
 layout(scalar) writeonly buffer result_block { uint result[]; };
@@ -55,11 +42,11 @@ float safeInverse(float d) { return 1.0 / (abs(d) < kMinDirection ? (d < 0.0 ? -
 /// The signed volumes of the ray with the triangle's edges decide, so that neighbours share one verdict on their common edge: nothing slips
 /// through between them. Distances come from the plane. Contraction into fused operations would break the symmetry: hence `precise`.
 bool hitTriangle(int index, Ray ray, float tMax, out Hit hit) {
-  vec4 texel0 = fetchTriangle(index * kTriangleTexels);
-  vec4 texel1 = fetchTriangle(index * kTriangleTexels + 1);
+  vec4 texel0 = texelFetch(triangles, index * kTriangleTexels);
+  vec4 texel1 = texelFetch(triangles, index * kTriangleTexels + 1);
   precise vec3 a = texel0.xyz - ray.origin;
   precise vec3 b = texel1.xyz - ray.origin;
-  precise vec3 c = fetchTriangle(index * kTriangleTexels + 2).xyz - ray.origin;
+  precise vec3 c = texelFetch(triangles, index * kTriangleTexels + 2).xyz - ray.origin;
   precise vec3 ca = c - a, ab = a - b, bc = b - c;
   precise vec3 crossCa = cross(ca, c + a), crossAb = cross(ab, a + b), crossBc = cross(bc, b + c);
   precise float volumeB = dot(crossCa, ray.direction);  // weight of b
@@ -121,23 +108,17 @@ Traversal start(Ray ray) {
   return t;
 }
 
-bool pop(inout Traversal t) {
-  if (t.depth == 0u) return false;
-  t.next = stack[--t.depth];
-  return true;
-}
-
-/// Goes on with one of the children that the ray enters, the others on the stack: for the closest hit the nearest comes first, for any hit the first, which
-/// is the largest. False where nothing is left.
-bool enterNode(inout Traversal t) {
+/// Puts the children that the ray enters on the stack: for the closest hit the nearest on top, for any hit the first, which is the largest. Every slot is written and then counted or not:
+/// a masked store costs more than a plain one.
+void enterNode(inout Traversal t) {
   int base = int(t.next & kNodeMask) * kNodeTexels;
-  vec4 nearX = (fetchNode(base + t.side.x) - t.ray.origin.x) * t.inverse.x;
-  vec4 farX = (fetchNode(base + 1 - t.side.x) - t.ray.origin.x) * t.inverse.x;
-  vec4 nearY = (fetchNode(base + 2 + t.side.y) - t.ray.origin.y) * t.inverse.y;
-  vec4 farY = (fetchNode(base + 3 - t.side.y) - t.ray.origin.y) * t.inverse.y;
-  vec4 nearZ = (fetchNode(base + 4 + t.side.z) - t.ray.origin.z) * t.inverse.z;
-  vec4 farZ = (fetchNode(base + 5 - t.side.z) - t.ray.origin.z) * t.inverse.z;
-  uvec4 child = floatBitsToUint(fetchNode(base + 6));
+  vec4 nearX = (texelFetch(nodes, base + t.side.x) - t.ray.origin.x) * t.inverse.x;
+  vec4 farX = (texelFetch(nodes, base + 1 - t.side.x) - t.ray.origin.x) * t.inverse.x;
+  vec4 nearY = (texelFetch(nodes, base + 2 + t.side.y) - t.ray.origin.y) * t.inverse.y;
+  vec4 farY = (texelFetch(nodes, base + 3 - t.side.y) - t.ray.origin.y) * t.inverse.y;
+  vec4 nearZ = (texelFetch(nodes, base + 4 + t.side.z) - t.ray.origin.z) * t.inverse.z;
+  vec4 farZ = (texelFetch(nodes, base + 5 - t.side.z) - t.ray.origin.z) * t.inverse.z;
+  uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
   vec4 near = max(max(nearX, nearY), max(nearZ, vec4(t.ray.tMin)));
   vec4 far = min(min(farX, farY), min(farZ, vec4(t.tMax))) * kSlabSlack;
   bvec4 entered = lessThanEqual(near, far);
@@ -150,8 +131,6 @@ bool enterNode(inout Traversal t) {
   order(child.y, near.y, child.z, near.z);
   entered = lessThan(near, vec4(kNever));
 #endif
-#if HL_CPU
-  // Every slot is written and then counted or not.
   stack[t.depth] = child.w;
   t.depth += uint(entered.w);
   stack[t.depth] = child.z;
@@ -160,28 +139,12 @@ bool enterNode(inout Traversal t) {
   t.depth += uint(entered.y);
   stack[t.depth] = child.x;
   t.depth += uint(entered.x);
-  return pop(t);
-#else
-  // The one to go on with never sees the stack.
-  uint next = 0u;
-  bool found = false;
-  if (entered.w) next = child.w, found = true;
-  if (entered.z) {
-    if (found) stack[t.depth++] = next;
-    next = child.z, found = true;
-  }
-  if (entered.y) {
-    if (found) stack[t.depth++] = next;
-    next = child.y, found = true;
-  }
-  if (entered.x) {
-    if (found) stack[t.depth++] = next;
-    next = child.x, found = true;
-  }
-  if (!found) return pop(t);
-  t.next = next;
+}
+
+bool pop(inout Traversal t) {
+  if (t.depth == 0u) return false;
+  t.next = stack[--t.depth];
   return true;
-#endif
 }
 
 void testLeaf(inout Traversal t) {
@@ -214,7 +177,8 @@ void main() {
     bool atLeaf = (t.next & kLeafBit) != 0u;
     bool more = true;
     while (more && !atLeaf) {
-      more = enterNode(t);
+      enterNode(t);
+      more = pop(t);
       atLeaf = (t.next & kLeafBit) != 0u;
     }
     if (more) {

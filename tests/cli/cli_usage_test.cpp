@@ -29,9 +29,10 @@ void expectRefusal(const std::vector<std::string>& arguments, const std::string&
 }
 
 TEST(CliUsage, MistakesAreNamedWithWhatIsNear) {
-  expectRefusal({}, "a command is wanted: list, doctor, render, reference, compare, describe");
+  expectRefusal({}, "a command is wanted: list, doctor, render, reference, compare, bench, tune, describe");
   expectRefusal({"rendr", "cornell_box"}, "unknown command rendr; did you mean render?");
-  expectRefusal({"bench", "x.json"}, "unknown command bench");
+  expectRefusal({"bench", "x.json"}, "--out");
+  expectRefusal({"tune", "cornell_box"}, "--budget-ms");
   expectRefusal({"pack", "x.json"}, "unknown command pack");
   expectRefusal({"render"}, "TARGET");
   expectRefusal({"render", "cornell_box", "--frame", "3"}, "--frame of render; did you mean --frames?");
@@ -114,10 +115,10 @@ TEST(CliUsage, PresetFilesAreCheckedBeforeADeviceIsTouched) {
 TEST(CliUsage, HelpAndVersionGoToStdout) {
   const CliResult help = runCli({"--help"});
   EXPECT_EQ(help.code, 0);
-  for (const char* command : {"list", "doctor", "render", "reference", "compare", "describe"})
+  for (const char* command : {"list", "doctor", "render", "reference", "compare", "bench", "tune", "describe"})
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
   EXPECT_NE(help.out.find("HALFLIGHT_VALIDATION"), std::string::npos) << help.out;
-  for (const char* later : {"bench", "pack"}) EXPECT_EQ(help.out.find(later), std::string::npos) << later;
+  for (const char* later : {"pack"}) EXPECT_EQ(help.out.find(later), std::string::npos) << later;
   EXPECT_EQ(help.err, "");
   const CliResult version = runCli({"--version"});
   EXPECT_EQ(version.code, 0);
@@ -182,7 +183,7 @@ TEST(CliDescribe, SchemaIsJsonAndTextNamesEveryParameter) {
   EXPECT_EQ(schema.code, 0);
   const json document = json::parse(schema.out);
   const CliResult text = runCli({"describe"});
-  for (const auto& p : document.at("properties").at("parameters").at("properties").items())
+  for (const auto& p : document.at("$defs").at("preset").at("properties").at("parameters").at("properties").items())
     EXPECT_NE(text.out.find(p.key() + " = "), std::string::npos) << p.key();
 }
 

@@ -218,9 +218,33 @@ TEST(ErrorColours, FollowTheMetric) {
   map.data[0] = -1e-3f, map.data[1] = 1e-3f, map.data[2] = 0, map.data[3] = kNan;
   const auto bias = errorColours(map, metricInfo("bias"));
   EXPECT_GT(colour(bias, 0)[2], colour(bias, 0)[0] + 80) << "below: blue";
-  EXPECT_GT(colour(bias, 1)[0], colour(bias, 1)[2] + 80) << "above: red";
+  EXPECT_GT(colour(bias, 1)[0], colour(bias, 1)[2] + 80) << "above: orange";
   EXPECT_EQ(colour(bias, 2)[0], colour(bias, 2)[2]);
   EXPECT_EQ(colour(bias, 3), magenta);
+}
+
+TEST(SignedColour, IsBlueBelowOrangeAboveAndEquallyDarkAtBothEnds) {
+  Image ramp(129, 1, 1);
+  for (size_t i = 0; i < 129; ++i) ramp.data[i] = (static_cast<float>(i) - 64) / 32;  // -2 to 2
+  const auto c = falseColour(ramp, 2, ColourScale::Signed);
+  const auto luminance = [&](size_t i) { return (0.2126 * c[4 * i] + 0.7152 * c[4 * i + 1] + 0.0722 * c[4 * i + 2]) / 255; };
+  EXPECT_EQ(c[4 * 64], c[4 * 64 + 2]);
+  for (size_t i = 1; i <= 64; ++i) {
+    EXPECT_GT(c[4 * (64 - i) + 2], c[4 * (64 - i)]) << i;  // blue
+    EXPECT_LT(c[4 * (64 + i) + 2], c[4 * (64 + i)]) << i;  // orange
+    EXPECT_NEAR(luminance(64 - i), luminance(64 + i), 0.03) << i;
+    EXPECT_LE(luminance(64 + i), luminance(63 + i) + 0.004) << i;
+    EXPECT_LE(luminance(64 - i), luminance(65 - i) + 0.004) << i;
+  }
+  Image beyond(3, 1, 3);
+  beyond.data = {99, 99, 99, -99, -99, -99, kNan, 0, 0};
+  const auto ends = falseColour(beyond, 1, ColourScale::Signed);
+  EXPECT_TRUE(std::equal(ends.begin(), ends.begin() + 4, c.begin() + 4 * 128));
+  EXPECT_TRUE(std::equal(ends.begin() + 4, ends.begin() + 8, c.begin()));
+  EXPECT_EQ(ends[8], 255);
+  EXPECT_EQ(ends[9], 0);
+  EXPECT_EQ(test::errorOf([&] { falseColour(beyond, 0, ColourScale::Signed); }).kind(), ErrorKind::BadInput);
+  EXPECT_EQ(colourScale(beyond), 99);
 }
 
 TEST(DisplayViews, HaveIdsOfTheirOwn) {

@@ -4,7 +4,11 @@
 #include <set>
 
 #include "engine/session/session_thread.h"
+#include "engine/experiment/bundle.h"
+#include "engine/experiment/open_target.h"
+#include "engine/scene/scene_build.h"
 #include "tests/session_fixture.h"
+#include "tests/trace_scenes.h"
 
 namespace hl::test {
 namespace {
@@ -236,6 +240,63 @@ TEST_F(SessionTest, FlickerAndStepResponse) {
 }
 
 /// A reference that was left half-way is found again by the next session, and one that is done outlives what does not concern it.
+TEST_F(SessionTest, FramesCarryTheImagesThatWereAskedFor) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  EXPECT_TRUE(session->frame()->images.empty());
+  EXPECT_THROW(session->setImagesWanted({"finall"}), Error);
+  const std::vector<std::string> names = {"final", "indirect_irradiance", "reference", "reference_matched", "reference_matched_indirect"};
+  session->setImagesWanted(names);
+  const auto early = session->frame();
+  EXPECT_EQ(early->images.size(), 2u);  // no reference yet
+  session->setReferenceWanted(true);
+  const auto frame = session->settle();
+  ASSERT_EQ(frame->images.size(), names.size());
+  for (const std::string& name : names) {
+    ASSERT_TRUE(frame->images.at(name));
+    EXPECT_EQ(frame->images.at(name)->channels, 3);
+    EXPECT_EQ(frame->images.at(name)->data, session->image(name).data) << name;
+  }
+  // Two bounces are darker than all of them.
+  double matched = 0, full = 0;
+  for (const float v : frame->images.at("reference_matched")->data) matched += v;
+  for (const float v : frame->images.at("reference")->data) full += v;
+  EXPECT_LT(matched, full);
+  EXPECT_GT(matched, 0.5 * full);
+  // A reference's image is made once, as long as it stays the same.
+  EXPECT_EQ(session->frame()->images.at("reference"), frame->images.at("reference"));
+  session->setTechnique("none");
+  EXPECT_NO_THROW(session->frame());
+  expectNoMessages(*session);
+}
+
+TEST_F(SessionTest, ErrorsAreMeasuredForRegionsThatWereSet) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "radiosity"));
+  session->setReferenceWanted(true);
+  session->settle();
+  const std::vector<Region> bad[] = {{{"a", 0.5f, 0, 0.6f, 1}}, {{"a", 0, 0, 0, 1}}, {{"", 0, 0, 1, 1}}, {{"a", 0, 0, 1, 1}, {"a", 0, 0, 1, 1}}, {{"a", -0.1f, 0, 1, 1}}};
+  for (const std::vector<Region>& regions : bad) EXPECT_THROW(session->setRegions(regions), Error);
+  const size_t own = session->scene().regions.size();
+  EXPECT_GT(own, 0u);
+  session->setRegions(std::vector<Region>{{"left", 0, 0, 0.5f, 1}, {"all", 0, 0, 1, 1}});
+  const auto frame = session->frame();
+  ASSERT_EQ(frame->scene->regions.size(), 2u);
+  std::map<std::string, double> relmse;
+  for (const ErrorValue& e : frame->errors)
+    if (e.metric == "relmse" && e.component == "indirect" && e.reference == "full") relmse[e.roi] = e.value;
+  ASSERT_EQ(relmse.size(), 3u);
+  EXPECT_EQ(relmse["all"], relmse[""]);
+  EXPECT_NE(relmse["left"], relmse[""]);
+  session->setRegions(std::vector<Region>{});
+  for (const ErrorValue& e : session->frame()->errors) EXPECT_EQ(e.roi, "");
+  // Kept in the preset; without them the scene's own are there.
+  EXPECT_TRUE(session->preset().regions.has_value());
+  session->setRegions(std::nullopt);
+  EXPECT_EQ(session->frame()->scene->regions.size(), own);
+  EXPECT_FALSE(session->preset().regions.has_value());
+}
+
 TEST_F(SessionTest, AReferenceLeftHalfWayGoesOnLater) {
   Preset preset = smallPreset("cornell_box", "radiosity");
   preset.parameters["reference.samples"] = "262144";
@@ -314,6 +375,30 @@ TEST_F(SessionTest, WhatDoesNotFitIsSaidAndTheSessionGoesOn) {
   EXPECT_FALSE(messageOf([&] { session->frame(); }, ErrorKind::TooLarge).empty());
   session->setResolution(preset.width, preset.height);
   EXPECT_EQ(session->settle()->displayHash, hash);
+}
+
+/// The tracers keep what they need of a scene with alpha tests: a session moves its buffers about while it loads.
+TEST_F(SessionTest, CutOutsLookTheSameThroughEveryTracer) {
+  Scene scene = foliage();
+  scene.sky = vec3(1.0f);
+  finishScene(scene);
+  Preset preset = smallPreset("leaves", "radiosity");
+  writeBundle(folder / "leaves.hlb", {preset, {{"leaves", &scene}}, {}});
+  std::optional<double> expected;
+  for (const char* tracer : {"embree", "bvh", "auto"}) {
+    auto session = makeSession(tracer);
+    session->load(openTarget((folder / "leaves.hlb").string()));
+    session->load(session->preset());  // again, with an old scene to give up
+    session->settle();
+    const Image final = session->image("final");
+    double sum = 0;
+    for (size_t i = 0; i < final.pixels(); ++i) sum += static_cast<double>(final.data[i * static_cast<size_t>(final.channels) + 1]);
+    ASSERT_TRUE(std::isfinite(sum)) << tracer;
+    ASSERT_GT(sum, 0) << tracer;
+    if (!expected) expected = sum;
+    EXPECT_NEAR(sum, *expected, 2e-3 * *expected) << tracer;
+    expectNoMessages(*session);
+  }
 }
 
 }  // namespace

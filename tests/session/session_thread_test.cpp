@@ -132,6 +132,21 @@ TEST_F(SessionTest, WorkGoesOnUnseen) {
   EXPECT_LE(thread.latest()->number, number + 1);
 }
 
+TEST_F(SessionTest, OneFrameMoreWherePaused) {
+  SessionThread thread(options());
+  thread.setPaused(true);
+  std::atomic<bool> loaded = false;
+  thread.post([&](Session& s) { s.load(smallPreset("cornell_box", "none")), loaded = true; });
+  ASSERT_TRUE(eventually([&] { return loaded.load(); }));
+  std::this_thread::sleep_for(200ms);
+  EXPECT_FALSE(thread.latest());
+  thread.renderOnce();
+  ASSERT_TRUE(eventually([&] { return thread.latest() != nullptr; }));
+  const uint64_t number = thread.latest()->number;
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(thread.latest()->number, number);
+}
+
 TEST_F(SessionTest, GoesAwayWhileItWorks) {
   auto thread = std::make_unique<SessionThread>(options());
   Preset preset = smallPreset("cornell_box", "radiosity");

@@ -11,6 +11,8 @@ class FakeLink : public EngineLink {
   QStringList calls;
   Preset loaded;
   std::shared_ptr<const FrameResult> frame;
+  std::vector<std::string> wanted;
+  std::optional<std::vector<Region>> regions;
   std::shared_ptr<Progress> work = std::make_shared<Progress>();
 
   void publish(std::shared_ptr<const FrameResult> f) {
@@ -36,6 +38,14 @@ class FakeLink : public EngineLink {
   void setDisplay(const Display& d) override { note("display " + d.view + " " + std::to_string(d.exposure)); }
   void pick(int x, int y) override { note("pick " + std::to_string(x) + " " + std::to_string(y)); }
   void setReferenceWanted(bool on) override { note(on ? "reference on" : "reference off"); }
+  void setImagesWanted(const std::vector<std::string>& names) override {
+    wanted = names;
+    note("images " + std::to_string(names.size()));
+  }
+  void setRegions(const std::optional<std::vector<Region>>& r) override {
+    regions = r;
+    note(r ? "regions " + std::to_string(r->size()) : "regions of the scene");
+  }
   void setWorkPaused(bool) override { note("pause work"); }
   void cancelWork() override { note("cancel work"); }
   void restartWork() override { note("restart work"); }
@@ -51,7 +61,12 @@ class FakeLink : public EngineLink {
     emit saved(path, QStringLiteral("preset"));
   }
   void saveScene(std::shared_ptr<const FrameResult>, const QString&) override { note("save scene"); }
-  void saveScreenshot(std::shared_ptr<const FrameResult>, const Preset&, const QString&) override { note("screenshot"); }
+  void saveScreenshot(std::shared_ptr<const FrameResult> f, const Preset& p, const QString& path) override {
+    saidFrame = std::move(f);
+    loaded = p;
+    calls << "screenshot " + path;
+    emit saved(path, QStringLiteral("screenshot"));
+  }
   void restart() override { note("restart"); }
   void cancel() override { note("cancel"); }
   void setVisible(bool on) override { note(on ? "visible" : "hidden"); }
@@ -60,6 +75,7 @@ class FakeLink : public EngineLink {
   std::shared_ptr<const Progress> progress() const override { return work; }
 
   quint64 lastTicket = 0;
+  std::shared_ptr<const FrameResult> saidFrame;  ///< of the last screenshot
 
  private:
   void note(const std::string& text) { calls << QString::fromStdString(text); }

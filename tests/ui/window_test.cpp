@@ -83,7 +83,7 @@ class WindowTest : public QObject {
       QVERIFY(dock->features() & QDockWidget::DockWidgetFloatable);
       QVERIFY(dock->features() & QDockWidget::DockWidgetClosable);
     }
-    QCOMPARE(names, (QSet<QString>{"techniqueDock", "sceneDock", "profilerDock", "errorDock", "logDock"}));
+    QCOMPARE(names, (QSet<QString>{"techniqueDock", "sceneDock", "profilerDock", "errorDock", "compareDock", "inspectorDock", "logDock"}));
   }
 
   void theLayoutComesBack() {
@@ -103,11 +103,34 @@ class WindowTest : public QObject {
   void aLayoutOfAnotherVersionIsLeftAlone() {
     auto* log = window_->findChild<QDockWidget*>("logDock");
     log->close();
-    settings_->setValue("layout/state", window_->saveState(999));
+    settings_->setValue("layout/state/tune", window_->saveState(999));
     window_->close();
-    settings_->setValue("layout/state", window_->saveState(999));  // closing wrote its own
+    settings_->setValue("layout/state/tune", window_->saveState(999));  // closing wrote its own
     makeWindow();
     QVERIFY(!window_->findChild<QDockWidget*>("logDock")->isHidden());
+  }
+
+  /// Each comes back as it was left, in the next run too; a reset is of the one that is shown.
+  void namedLayoutsAreKeptApart() {
+    const auto dock = [&](const char* name) { return window_->findChild<QDockWidget*>(name); };
+    QCOMPARE(window_->dockWidgetArea(dock("compareDock")), Qt::BottomDockWidgetArea);
+    window_->switchLayout("compare");
+    QCOMPARE(window_->dockWidgetArea(dock("compareDock")), Qt::RightDockWidgetArea);
+    dock("logDock")->close();
+    window_->switchLayout("profile");
+    QVERIFY(!dock("logDock")->isHidden());
+    QTRY_VERIFY(dock("profilerDock")->height() > 350);
+    window_->switchLayout("compare");
+    QVERIFY(dock("logDock")->isHidden());
+    window_->close();
+    makeWindow();
+    QVERIFY(dock("logDock")->isHidden());
+    QCOMPARE(window_->dockWidgetArea(dock("compareDock")), Qt::RightDockWidgetArea);
+    window_->resetLayout();
+    QVERIFY(!dock("logDock")->isHidden());
+    QTest::keyClick(window_.get(), Qt::Key_1, Qt::AltModifier);
+    QCOMPARE(window_->dockWidgetArea(dock("compareDock")), Qt::BottomDockWidgetArea);
+    for (const QDockWidget* d : window_->docks()) QVERIFY2(!d->isHidden() && window_->dockWidgetArea(const_cast<QDockWidget*>(d)) != Qt::NoDockWidgetArea, qPrintable(d->objectName()));
   }
 
   void coloursDependOnTheNameAlone() {

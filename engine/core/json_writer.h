@@ -20,7 +20,7 @@ class JsonWriter {
   JsonWriter& whole(int64_t);
   JsonWriter& boolean(bool);
   JsonWriter& null();
-  JsonWriter& raw(std::string_view json);  ///< a value that is JSON already
+  JsonWriter& raw(std::string_view json);  ///< a value that is JSON already; line ends after it are dropped
 
   template <class T>
   JsonWriter& member(std::string_view name, const T& value) {

@@ -1,4 +1,4 @@
-#include "app/json_writer.h"
+#include "engine/core/json_writer.h"
 
 #include <fmt/format.h>
 
@@ -73,6 +73,7 @@ JsonWriter& JsonWriter::null() { return raw("null"); }
 
 JsonWriter& JsonWriter::raw(std::string_view json) {
   before();
+  while (!json.empty() && json.back() == '\n') json.remove_suffix(1);
   for (const char c : json) {
     if (c == '\n')
       line();

@@ -1,0 +1,204 @@
+// One run of a sweep: load, bring the reference, work until the stop rule says so, measure, time.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <new>
+#include <thread>
+
+#include "engine/core/error.h"
+#include "engine/core/image_io.h"
+#include "engine/sweep/sweep.h"
+
+namespace hl {
+namespace {
+
+// Frames that are timed after the picture is made, at least and at most, and how long at most (MEASURES.md section 4).
+constexpr int kLeastTimedFrames = 5, kTimedFrames = 30;
+constexpr double kTimingBudgetMs = 2000;
+// How often the clock is looked at where a run is limited, and what loading and timing may take besides.
+constexpr int kLimitPollMs = 5;
+constexpr double kLimitSlackMs = 3000;
+
+double nowMs() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+using FramePointer = std::shared_ptr<const FrameResult>;
+
+double usedMs(const FrameResult& f) { return f.prepareMs + f.sinceResetMs; }
+
+/// What the plot of error over time shows: indirect light of the whole picture.
+ErrorAt pointOf(uint32_t frames, double ms, const std::vector<ErrorValue>& errors, const std::vector<std::string>& metrics) {
+  ErrorAt out{frames, ms, {}};
+  for (const ErrorValue& e : errors)
+    if (e.roi.empty() && e.component == "indirect" && std::find(metrics.begin(), metrics.end(), e.metric) != metrics.end()) out.errors.push_back(e);
+  return out;
+}
+
+/// Until the stop rule says so. Errors on the way, at frame counts that double, go to the record.
+FramePointer runUntilStop(Session& session, const Experiment& e, const std::vector<std::string>& metrics, RunRecord& record, Progress& p) {
+  if (e.stop.kind == StopRule::Kind::Settled) {
+    session.setReferenceWanted(true);  // it is there already: the session then follows the error while long work runs
+    FramePointer f = session.settle(&p);
+    session.setReferenceWanted(false);
+    for (const ConvergencePoint& c : *f->convergence)
+      record.convergence.push_back(pointOf(static_cast<uint32_t>(c.frame), f->prepareMs + c.ms, c.errors, metrics));
+    record.frames = f->settledFrames;
+    record.totalMs = f->prepareMs + f->settledMs;
+    return f;
+  }
+  const bool frames = e.stop.kind == StopRule::Kind::Frames;
+  if (frames) session.finishWork(&p);  // by slices of time, how far the work is after N frames would depend on the machine
+  FramePointer f;
+  do {
+    p.check();
+    f = session.frame(&p);
+    if (std::has_single_bit(f->frame)) record.convergence.push_back(pointOf(f->frame, usedMs(*f), session.measureErrors(metrics), metrics));
+  } while (!f->techniqueFailed && (frames ? f->frame < static_cast<uint32_t>(e.stop.amount) : usedMs(*f) < e.stop.amount));
+  record.frames = f->frame;
+  record.totalMs = usedMs(*f);
+  return f;
+}
+
+/// Cancels `inner` when `outer` is cancelled, or when the time is up.
+class TimeLimit {
+ public:
+  TimeLimit(Progress& outer, Progress& inner, double ms)
+      : watch_([this, &outer, &inner, ms](const std::stop_token& stop) {
+          const double start = nowMs();
+          while (!stop.stop_requested() && !inner.cancelled()) {
+            if (outer.cancelled()) inner.cancel();
+            if (ms > 0 && nowMs() - start > ms) up_ = true, inner.cancel();
+            std::this_thread::sleep_for(std::chrono::milliseconds(kLimitPollMs));
+          }
+        }) {}
+  bool up() const { return up_; }
+
+ private:
+  std::atomic<bool> up_{false};
+  std::jthread watch_;
+};
+
+/// Reference and, where runs are limited, the whole of the work: what could take for ever.
+void prepareWithin(Session& session, const Experiment& e, Progress& p) {
+  if (!(e.limitMs > 0)) {
+    session.reference("image", &p);
+    return;
+  }
+  Progress inner;
+  const TimeLimit limit(p, inner, e.limitMs + kLimitSlackMs);
+  try {
+    session.reference("image", &inner);
+    session.finishWork(&inner);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::Cancelled && limit.up() && !p.cancelled())
+      throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
+    throw;
+  }
+  if (limit.up()) throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
+}
+
+/// More frames of what is there, for their times alone.
+FramePointer timeFrames(Session& session, Progress& p) {
+  session.setWorkPaused(true);
+  FramePointer f;
+  const double start = nowMs();
+  for (int i = 0; i < kTimedFrames && (i < kLeastTimedFrames || nowMs() - start < kTimingBudgetMs); ++i) {
+    p.check();
+    f = session.frame(&p);
+  }
+  session.setWorkPaused(false);
+  return f;
+}
+
+double ownPasses(const FrameResult& f) {
+  double sum = 0;
+  for (const PassStatistics& pass : f.passes)
+    if (pass.name.starts_with(f.preset.technique + ":") && pass.skipped.empty()) sum += pass.medianMs;
+  return sum;
+}
+
+void takeMemory(const FrameResult& f, RunRecord& record) {
+  for (const MemoryItem& m : f.memory) {
+    if (m.name == "device: all blocks") record.deviceBytes = m.bytes;
+    if (m.name.starts_with(f.preset.technique + ":")) record.techniqueBytes += m.bytes;
+  }
+}
+
+void writePicture(const std::filesystem::path& file, Image image, const FrameResult& f) {
+  std::filesystem::create_directories(file.parent_path());
+  image.metadata = imageAttributes(f.preset, f.provenance);
+  writeImage(file, image);
+}
+
+void measure(Session& session, const Experiment& e, const PlannedRun& run, const std::filesystem::path& variancePicture,
+             const std::filesystem::path& picture, Progress& p, RunRecord& record, RunResults& results) {
+  const std::vector<std::string> metrics = measuredMetrics(e);
+  session.setReferenceWanted(false);
+  session.load(run.preset, &p);
+  prepareWithin(session, e, p);
+  const FramePointer made = runUntilStop(session, e, metrics, record, p);
+  const Transport t = session.transport();
+  record.transport = fmt::format("{} bounces, {} faces, {} normals", t.bounces, t.frontFacesOnly ? "front" : "all",
+                                 t.receiver == ReceiverNormal::Mapped ? "mapped" : "geometric");
+  record.provenance = made->provenance;
+  results.frame = made;
+  if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
+  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
+
+  record.errors = results.errors = session.measureErrors(metrics);
+  record.surfacePixels = session.surfacePixels();
+  record.imageHash = results.imageHash = hashOfImage(session.image("final"));
+  if (!variancePicture.empty()) writePicture(variancePicture, session.image("indirect_irradiance"), *made);
+  if (!picture.empty()) writePicture(picture, session.image("final"), *made);
+  if (record.convergence.empty() || record.convergence.back().frames != record.frames)
+    record.convergence.push_back(pointOf(record.frames, record.totalMs, record.errors, metrics));
+
+  const FramePointer timed = e.stop.kind == StopRule::Kind::Settled ? made : timeFrames(session, p);
+  auto whole = std::make_shared<FrameResult>(*made);
+  whole->frameTime = timed->frameTime, whole->passes = timed->passes, whole->unaccounted = timed->unaccounted;
+  auto history = std::make_shared<std::vector<ConvergencePoint>>();
+  for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.errors});
+  whole->convergence = history;
+  results.frame = whole;
+  record.frameTime = whole->frameTime;
+  record.techniqueMs = ownPasses(*whole);
+  record.prepareMs = whole->prepareMs, record.workMs = whole->workMs;
+  takeMemory(*whole, record);
+  uint64_t nonFinite = 0;
+  for (const ErrorValue& v : record.errors) nonFinite = std::max(nonFinite, v.nonFinite);
+  if (nonFinite) throw Error(ErrorKind::Run, fmt::format("{} pixels are NaN or infinite: the comparison fails", nonFinite));
+}
+
+}  // namespace
+
+RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& run, const std::filesystem::path& variancePicture,
+                     const std::filesystem::path& picture, Progress& p, RunResults& results) {
+  const double began = nowMs();
+  RunRecord record;
+  record.key = run.key, record.seed = run.seed, record.repeat = run.repeat;
+  record.cpuDevice = session.device().isCpu(), record.hostThreads = session.hostThreads();
+  const auto fail = [&](const std::string& why) {
+    session.setReferenceWanted(false);
+    session.setWorkPaused(false);
+    record.failed = why.empty() ? "failed without a message" : why;
+    if (record.provenance.commit.empty()) record.provenance = session.provenance();
+  };
+  try {
+    measure(session, e, run, variancePicture, picture, p, record, results);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::Cancelled || error.kind() == ErrorKind::Device) {
+      session.setReferenceWanted(false);
+      session.setWorkPaused(false);
+      throw;
+    }
+    fail(error.what());
+  } catch (const std::bad_alloc&) {
+    fail("out of memory");
+  }
+  record.seconds = (nowMs() - began) / 1000;
+  return record;
+}
+
+}  // namespace hl

@@ -1,0 +1,145 @@
+// report.md: a sweep for people.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sweep/results_folder.h"
+
+namespace hl {
+namespace {
+
+const char* const kAxisTitles[] = {"Per frame", "Until settled (preparation, bake and frames)", "Per frame, with the bake spread", "Memory of the technique"};
+
+std::string number(double v) { return std::isfinite(v) ? fmt::format("{:.4g}", v) : "?"; }
+std::string estimate(const Estimate& e) {
+  return std::isfinite(e.halfWidth) ? fmt::format("{:.4g} ± {:.2g}", e.mean, e.halfWidth) : number(e.mean);
+}
+std::string spread(const Spread& s) { return fmt::format("{:.4g} ({:.4g} to {:.4g})", s.median, s.p5, s.p95); }
+std::string percent(const std::optional<double>& v) { return v ? fmt::format("{:.3g} %", 100 * *v) : "-"; }
+std::string time(double ms) { return ms >= 1000 ? fmt::format("{:.3g} s", ms / 1000) : fmt::format("{:.3g} ms", ms); }
+std::string bytes(double v) { return v >= 1 << 20 ? fmt::format("{:.1f} MiB", v / (1 << 20)) : fmt::format("{:.1f} KiB", v / 1024); }
+/// In a table's cell a bar would end it.
+std::string cell(std::string text) {
+  std::replace(text.begin(), text.end(), '|', '/');
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::string header(const SweepResults& r) {
+  const Provenance& p = r.provenance;
+  std::string stop = "until settled";
+  if (r.experiment.stop.kind == StopRule::Kind::Frames) stop = fmt::format("{} frames after the bake", r.experiment.stop.amount);
+  if (r.experiment.stop.kind == StopRule::Kind::Milliseconds) stop = fmt::format("{} ms of work and frames", r.experiment.stop.amount);
+  std::string out = fmt::format("# {} configurations, {} seeds, {} repeats\n\n", r.configurations.size(), r.experiment.seeds.size(), r.experiment.repeats);
+  out += fmt::format("{} of {} runs done", r.done() - r.failed(), r.plan.size());
+  out += r.failed() ? fmt::format(", **{} failed**.\n\n", r.failed()) : ".\n\n";
+  out += fmt::format("- commit {}{}\n- device {}, driver {}, {}, rays by {}, {} timing\n- {} host threads\n- each run: {}\n\n", p.commit,
+                     p.dirty ? " with changes that are in no commit" : "", p.device, p.driver, p.api, p.tracer, p.timing, r.hostThreads, stop);
+  return out + "± is half of a 95 % confidence interval over seeds. Times are medians over runs. Errors are of indirect irradiance over the whole picture.\n\n";
+}
+
+const ErrorSummary* plotted(const ConfigurationSummary& c, const std::string& reference, const std::string& metric) {
+  for (const ErrorSummary& e : c.errors)
+    if (e.reference == reference && e.metric == metric && e.target == "image" && e.component == "indirect" && e.roi.empty()) return &e;
+  return nullptr;
+}
+
+std::string configurationTable(const SweepResults& r, const Summary& s, size_t problem) {
+  const std::string& metric = r.experiment.metrics.front();
+  std::string out = "| configuration | bake ms | frame ms | total ms | memory |", rule = "| --- | --- | --- | --- | --- |";
+  for (const std::string& reference : r.experiment.references) {
+    out += fmt::format(" {} ({}) | path tracer, same time |", metric, reference);
+    rule += " --- | --- |";
+  }
+  out += "\n" + rule + "\n";
+  for (const ConfigurationSummary& c : s.configurations) {
+    if (c.problem != problem) continue;
+    out += fmt::format("| {} | ", cell(r.configurations[c.configuration].label()));
+    if (c.failed == c.runs) {
+      out += c.runs ? fmt::format("failed: {} ", cell(c.failure)) : "not run ";
+      for (size_t i = 0; i < 3 + 2 * r.experiment.references.size(); ++i) out += "| ";
+      out += "|\n";
+      continue;
+    }
+    out += fmt::format("{:.4g} | {} | {} | {} |", c.bakeMs(), spread(c.frameMs), spread(c.totalMs), bytes(c.techniqueBytes));
+    for (const std::string& reference : r.experiment.references) {
+      const ErrorSummary* e = plotted(c, reference, metric);
+      out += e ? fmt::format(" {}{} |", estimate(e->value), metric != "psnr" && std::abs(e->value.mean) < e->noiseFloor ? " (below the reference's noise)" : "")
+               : " |";
+      std::string tracer = " |";
+      for (const EqualTime& t : c.pathTracer)
+        if (t.reference == reference)
+          tracer = fmt::format(" {} ({:.3g} paths{}) |", estimate(t.value), t.paths, t.ms > 1.05 * c.totalMs.median ? fmt::format(", {}", time(t.ms)) : "");
+      out += tracer;
+    }
+    out += "\n";
+  }
+  return out + "\n";
+}
+
+std::string frontTable(const SweepResults& r, const Front& f) {
+  const bool memory = f.axis == FrontAxis::Memory;
+  std::string title = kAxisTitles[static_cast<size_t>(f.axis)];
+  if (f.axis == FrontAxis::Amortised) title += fmt::format(" over {} frames", r.experiment.amortiseFrames);
+  std::string out = fmt::format("### {}, against {}\n\n| configuration | cost | {} | |\n| --- | --- | --- | --- |\n", title, f.reference, f.metric);
+  size_t off = 0;
+  for (const FrontPoint& p : f.points) {
+    if (p.place == FrontPlace::Off) {
+      ++off;
+      continue;
+    }
+    out += fmt::format("| {} | {} | {} ± {:.2g} | {} |\n", cell(r.configurations[p.configuration].label()), memory ? bytes(p.point.cost) : fmt::format("{} ± {}", time(p.point.cost), time(p.point.costHalfWidth)),
+                       number(p.point.error), p.point.halfWidth, p.place == FrontPlace::On ? "on the front" : "within its error bars");
+  }
+  return out + (off ? fmt::format("\n{} more are dominated.\n\n", off) : "\n");
+}
+
+std::string speedTable(const std::vector<const SpeedTable*>& tables) {
+  if (tables.empty()) return "";
+  std::string out = "| competitor | time |", rule = "| --- | --- |";
+  for (const auto& [ms, e] : tables.front()->errorAt) out += fmt::format(" after {} |", time(ms)), rule += " --- |";
+  for (const auto& [e, ms] : tables.front()->msTo) out += fmt::format(" to {:g} % |", 100 * e), rule += " --- |";
+  out += " levels off at |\n" + rule + " --- |\n";
+  for (const SpeedTable* t : tables) {
+    out += fmt::format("| {} | {} |", cell(t->competitor), t->axis == FrontAxis::Frame ? "per frame" : "until settled");
+    for (const auto& [ms, e] : t->errorAt) out += fmt::format(" {} |", percent(e));
+    for (const auto& [e, ms] : t->msTo) out += fmt::format(" {} |", ms ? time(*ms) : "-");
+    out += fmt::format(" {} |\n", percent(t->least));
+  }
+  return out + "\n";
+}
+
+std::string partsTable(const SweepResults& r, const Summary& s, size_t problem) {
+  std::string rows;
+  for (const ConfigurationSummary& c : s.configurations)
+    for (const BiasVariance& b : c.parts)
+      if (c.problem == problem)
+        rows += fmt::format("| {} | {} | {} | {} |\n", cell(r.configurations[c.configuration].label()), b.reference, estimate(b.biasSquared), estimate(b.variance));
+  if (rows.empty()) return "";
+  std::string out = "### Bias and variance\n\nOf the mean squared error, in its unit.";
+  if (r.experiment.seeds.size() < 10) out += fmt::format(" From {} seeds: a claim that rests on these wants at least 10.", r.experiment.seeds.size());
+  return out + "\n\n| configuration | against | bias² | variance |\n| --- | --- | --- | --- |\n" + rows + "\n";
+}
+
+}  // namespace
+
+std::string sweepReport(const SweepResults& r, const Summary& s) {
+  std::string out = header(r);
+  for (size_t problem = 0; problem < r.problems.size(); ++problem) {
+    out += fmt::format("## {}\n\n", r.problems[problem].label) + configurationTable(r, s, problem);
+    for (const std::string& reference : r.experiment.references) {
+      out += fmt::format("### Speed against relative error (root of relmse), against {}\n\n", reference);
+      std::vector<const SpeedTable*> tables;
+      for (const SpeedTable& t : s.tables)
+        if (t.problem == problem && t.reference == reference) tables.push_back(&t);
+      out += speedTable(tables);
+    }
+    for (const Front& f : s.fronts)  // those against the other reference are in results.json
+      if (f.problem == problem && f.reference == r.experiment.references.front() && !f.points.empty()) out += frontTable(r, f);
+    out += partsTable(r, s, problem);
+  }
+  return out;
+}
+
+}  // namespace hl

@@ -1,0 +1,102 @@
+// The tidy tables: one observation a line.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/sweep/results_folder.h"
+
+namespace hl {
+namespace {
+
+/// What a spreadsheet would take for two cells stands in quotes.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return out + '"';
+}
+
+std::string cell(double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; }
+
+/// The keys that any configuration varies.
+std::vector<std::string> axes(const SweepResults& r) {
+  std::vector<std::string> out;
+  for (const Configuration& c : r.configurations)
+    for (const auto& [key, value] : c.values)
+      if (key != "technique" && std::find(out.begin(), out.end(), key) == out.end()) out.push_back(key);
+  return out;
+}
+
+std::string axisCells(const SweepResults& r, const std::vector<std::string>& keys, size_t configuration) {
+  std::string out;
+  for (const std::string& key : keys) {
+    std::string value;
+    for (const auto& [k, v] : r.configurations[configuration].values)
+      if (k == key) value = v;
+    out += fmt::format(",{}", cell(value));
+  }
+  return out;
+}
+
+std::string errorCells(const ErrorValue& e) {
+  return fmt::format(",{},{},{},{},{},{},{},{}", cell(e.reference), cell(e.target), cell(e.component), cell(e.metric), cell(e.roi), cell(e.value),
+                     cell(e.noiseFloor), cell(e.standardError));
+}
+
+bool wanted(const Experiment& e, const ErrorValue& v) {
+  return std::find(e.references.begin(), e.references.end(), v.reference) != e.references.end();
+}
+
+}  // namespace
+
+std::string sweepCsv(const SweepResults& r) {
+  const std::vector<std::string> keys = axes(r);
+  std::string out = "kind,problem,configuration,technique";
+  for (const std::string& key : keys) out += fmt::format(",{}", cell(key));
+  out += ",seed,repeat,reference,target,component,metric,roi,value,noise_floor,standard_error,frames,image_hash,device_bytes,technique_bytes,"
+         "frame_ms,frame_p5_ms,frame_p95_ms,technique_ms,prepare_ms,work_ms,total_ms,failed,run\n";
+  std::vector<size_t> problemAt(r.configurations.size());
+  for (size_t p = 0; p < r.problems.size(); ++p)
+    for (const size_t c : r.problems[p].configurations) problemAt[c] = p;
+  for (size_t i = 0; i < r.plan.size(); ++i) {
+    if (!r.runs[i]) continue;
+    const PlannedRun& p = r.plan[i];
+    const RunRecord& run = *r.runs[i];
+    const std::string head = fmt::format("run,{},{},{}{},{},{}", cell(r.problems[problemAt[p.configuration]].label), p.configuration,
+                                         cell(p.preset.technique), axisCells(r, keys, p.configuration), p.seed, p.repeat);
+    const std::string tail = fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.frames, run.imageHash, run.deviceBytes, run.techniqueBytes,
+                                         cell(run.frameTime.medianMs), cell(run.frameTime.p5Ms), cell(run.frameTime.p95Ms), cell(run.techniqueMs),
+                                         cell(run.prepareMs), cell(run.workMs), cell(run.totalMs), cell(run.failed), p.key);
+    if (!run.failed.empty()) out += head + ",,,,,,,," + tail;
+    if (run.failed.empty())
+      for (const ErrorValue& e : run.errors)
+        if (wanted(r.experiment, e)) out += head + errorCells(e) + tail;
+  }
+  for (const TracerRun& run : r.tracer)
+    for (const TracerPoint& point : run.points)
+      for (const ErrorValue& e : point.errors)
+        if (wanted(r.experiment, e))
+          out += fmt::format("path_tracer,{},,path_tracer{},{},0{},{},,,,,,,,,,{},,{}\n", cell(r.problems[run.problem].label),
+                             std::string(keys.size(), ','), run.seed, errorCells(e), point.paths, cell(point.ms), run.key);
+  return out;
+}
+
+std::string convergenceCsv(const SweepResults& r) {
+  std::string out = "configuration,technique,seed,repeat,frames,ms,reference,metric,value,noise_floor,standard_error\n";
+  for (size_t i = 0; i < r.plan.size(); ++i) {
+    if (!r.runs[i] || !r.runs[i]->failed.empty()) continue;
+    const PlannedRun& p = r.plan[i];
+    for (const ErrorAt& at : r.runs[i]->convergence)
+      for (const ErrorValue& e : at.errors)
+        if (wanted(r.experiment, e))
+          out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", p.configuration, cell(p.preset.technique), p.seed, p.repeat, at.frames, cell(at.ms),
+                             cell(e.reference), cell(e.metric), cell(e.value), cell(e.noiseFloor), cell(e.standardError));
+  }
+  return out;
+}
+
+}  // namespace hl

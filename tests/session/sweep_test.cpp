@@ -1,0 +1,243 @@
+// A sweep as a class, without a program round it: order, taking up, failures, cancellation, another machine's runs.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "engine/sweep/results_folder.h"
+#include "engine/sweep/sweep.h"
+#include "tests/session_fixture.h"
+
+namespace hl::test {
+namespace {
+
+class SweepTest : public SessionTest {
+ protected:
+  Experiment tiny(const std::string& rest) const {
+    const std::string base = R"({"version": 1, "scene": "cornell_box", "resolution": [32, 24], "technique": "radiosity", "parameters": {"reference.samples": 64,
+        "reference.direct_samples": 4, "direct.samples": 4, "direct.lumel_samples": 4, "lightmap.resolution": 32, "radiosity.samples": 16, "radiosity.bounces": 3}})";
+    return experimentFromJson(R"({"version": 1, "base": )" + base + ", " + rest + "}", folder / "e.json");
+  }
+  std::map<std::string, std::string> files(const std::filesystem::path& at) const {
+    std::map<std::string, std::string> out;
+    for (const auto& entry : std::filesystem::directory_iterator(at)) out[entry.path().filename()] = readFile(entry.path());
+    return out;
+  }
+};
+
+TEST_F(SweepTest, RunsInterleavedAndTheFolderReadsBackTheSame) {
+  const Experiment e = tiny(R"("permute": {"radiosity.samples": [4, 16]}, "seeds": [1, 2, 3], "repeats": 2)");
+  Sweep sweep(e, folder / "out");
+  std::vector<size_t> order;
+  std::vector<std::string> doing;
+  sweep.onRun = [&](const SweepResults&, size_t run) { order.push_back(run); };
+  sweep.onStatus = [&](const SweepStatus& s) { doing.push_back(s.doing); };
+  const auto session = makeSession();
+  Progress p;
+  sweep.run(*session, p);
+  expectNoMessages(*session);
+  const SweepResults& r = sweep.results();
+  EXPECT_TRUE(r.complete());
+  EXPECT_EQ(r.failed(), 0u);
+  ASSERT_EQ(order.size(), 12u);
+  for (size_t i = 0; i < order.size(); ++i) {
+    EXPECT_EQ(order[i], i);
+    EXPECT_EQ(r.plan[i].configuration, i % 2) << "all configurations once before the next seed";
+    EXPECT_EQ(r.plan[i].seed, i / 2 % 3 + 1);
+    EXPECT_EQ(r.plan[i].repeat, static_cast<int>(i / 6));
+  }
+  EXPECT_EQ(doing.front().find("reference of"), 0u) << "before anything is timed";
+  for (size_t i = 0; i < 6; ++i) EXPECT_EQ(r.runs[i]->imageHash, r.runs[i + 6]->imageHash) << "a repeat is the same picture";
+  EXPECT_NE(r.runs[0]->imageHash, r.runs[2]->imageHash) << "another seed is another";
+
+  const Summary s = summarise(r);
+  ASSERT_EQ(s.configurations.size(), 2u);
+  for (const ConfigurationSummary& c : s.configurations) {
+    EXPECT_EQ(c.runs, 6);
+    EXPECT_EQ(c.errors.front().value.samples, 3) << "seeds, not runs";
+    EXPECT_GT(c.totalMs.median, c.bakeMs());
+    EXPECT_GT(c.frameMs.median, 0);
+    EXPECT_GT(c.techniqueBytes, 0);
+    ASSERT_EQ(c.parts.size(), 2u);
+    EXPECT_GT(c.parts[0].variance.mean, 0);
+    double mse = 0;
+    for (const ErrorSummary& x : c.errors)
+      if (x.reference == "matched" && x.metric == "mse" && x.component == "indirect" && x.roi.empty()) mse = x.value.mean;
+    EXPECT_NEAR(c.parts[0].variance.mean + c.parts[0].biasSquared.mean, mse, 1e-9 * mse + 1e-12);
+    ASSERT_FALSE(c.pathTracer.empty());
+    EXPECT_GE(c.pathTracer[0].paths, 1);
+    EXPECT_EQ(c.pathTracer[0].value.samples, 3);
+  }
+  EXPECT_GT(s.configurations[0].parts[0].variance.mean, s.configurations[1].parts[0].variance.mean) << "four times the rays, less noise";
+
+  const SweepResults again = openSweep(folder / "out");
+  EXPECT_TRUE(sweepCsv(again) == sweepCsv(r));
+  EXPECT_TRUE(convergenceCsv(again) == convergenceCsv(r));
+  EXPECT_TRUE(readFile(folder / "out/results.csv") == sweepCsv(r));
+  EXPECT_TRUE(sweepJson(again, summarise(again)) == readFile(folder / "out/results.json"));
+  const auto document = nlohmann::json::parse(readFile(folder / "out/results.json"));
+  EXPECT_TRUE(document.at("complete").get<bool>());
+  EXPECT_EQ(document.at("runs").size(), 12u);
+  EXPECT_EQ(document.at("fronts").size(), 8u) << "four costs, two references";
+
+  // The same again makes nothing; one more seed makes what is missing alone, and touches no other file.
+  const auto before = files(folder / "out/runs");
+  Sweep same(e, folder / "out");
+  size_t made = 0;
+  same.onRun = [&](const SweepResults&, size_t) { ++made; };
+  same.run(*session, p);
+  EXPECT_EQ(made, 0u);
+  Experiment more = e;
+  more.seeds.push_back(4);
+  Sweep longer(more, folder / "out");
+  longer.onRun = [&](const SweepResults&, size_t) { ++made; };
+  longer.run(*session, p);
+  EXPECT_EQ(made, 4u);
+  const auto after = files(folder / "out/runs");
+  for (const auto& [name, text] : before) EXPECT_TRUE(after.at(name) == text) << name;
+}
+
+TEST_F(SweepTest, CancelledItKeepsWhatIsDoneAndGoesOn) {
+  const Experiment e = tiny(R"("permute": {"radiosity.samples": [4, 8, 16]}, "seeds": [1, 2], "path_tracer": false)");
+  Progress stop;
+  const auto session = makeSession();
+  {
+    Sweep sweep(e, folder / "out");
+    sweep.onRun = [&](const SweepResults&, size_t run) {
+      if (run == 2) stop.cancel();
+    };
+    try {
+      sweep.run(*session, stop);
+      ADD_FAILURE() << "was not cancelled";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::Cancelled);
+    }
+    EXPECT_EQ(sweep.results().done(), 3u);
+  }
+  EXPECT_FALSE(nlohmann::json::parse(readFile(folder / "out/results.json")).at("complete").get<bool>());
+  Sweep sweep(e, folder / "out");
+  EXPECT_EQ(sweep.results().done(), 3u);
+  Progress p;
+  sweep.run(*session, p);
+  EXPECT_TRUE(sweep.results().complete());
+
+  Sweep whole(e, folder / "whole");
+  whole.run(*session, p);
+  ASSERT_EQ(whole.results().plan.size(), sweep.results().plan.size());
+  for (size_t i = 0; i < whole.results().plan.size(); ++i) {
+    const RunRecord &a = *whole.results().runs[i], &b = *sweep.results().runs[i];
+    EXPECT_EQ(a.imageHash, b.imageHash);
+    ASSERT_EQ(a.errors.size(), b.errors.size());
+    for (size_t k = 0; k < a.errors.size(); ++k) EXPECT_EQ(a.errors[k].value, b.errors[k].value) << "to the bit";
+  }
+  expectNoMessages(*session);
+}
+
+TEST_F(SweepTest, AFailedRunIsARowAndTheOthersGoOn) {
+  const Experiment e = tiny(R"("permute": [{"radiosity.samples": [4]}, {"camera": ["no such camera"]}, {"radiosity.samples": [8]}], "path_tracer": false)");
+  Sweep sweep(e, folder / "out");
+  const auto session = makeSession();
+  Progress p;
+  try {
+    sweep.run(*session, p);
+    ADD_FAILURE() << "bad input ends a sweep before its first run";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::BadInput);
+  }
+  EXPECT_EQ(sweep.results().done(), 0u);
+
+  // The same fault where it shows only in the run itself.
+  RunResults results;
+  const RunRecord record = measureRun(*session, e, sweep.results().plan[1], {}, {}, p, results);
+  EXPECT_NE(record.failed.find("no such camera"), std::string::npos) << record.failed;
+  std::filesystem::create_directories(folder / "out/runs");
+  writeFileAtomically(folder / "out/runs" / (record.key + ".json"), runRecordJson(record, results, sweep.results().plan[1].preset));
+  const RunRecord back = readRunRecord(readFile(folder / "out/runs" / (record.key + ".json")), "x");
+  EXPECT_EQ(back.failed, record.failed);
+
+  const Sweep taken(e, folder / "out");
+  EXPECT_EQ(taken.results().failed(), 1u);
+  EXPECT_NE(sweepCsv(taken.results()).find("no such camera"), std::string::npos);
+  EXPECT_NE(sweepReport(taken.results(), summarise(taken.results())).find("failed: "), std::string::npos);
+}
+
+TEST_F(SweepTest, RunsOfAnotherCommitDeviceOrTracerAreNotMixedIn) {
+  const Experiment e = tiny(R"("path_tracer": false)");
+  const auto session = makeSession();
+  Progress p;
+  Sweep(e, folder / "out").run(*session, p);
+  const std::filesystem::path file = std::filesystem::directory_iterator(folder / "out/runs")->path();
+  const std::string good = readFile(file);
+  for (const char* key : {"commit", "device", "driver", "tracer"}) {
+    auto document = nlohmann::json::parse(good);
+    document["provenance"][key] = "another";
+    writeFileAtomically(file, document.dump());
+    try {
+      Sweep(e, folder / "out").run(*session, p);
+      ADD_FAILURE() << "mixed with another " << key;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::BadInput);
+      EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(readFile(file), document.dump()) << "nothing is overwritten";
+  }
+  // A file that was cut off is made again.
+  writeFileAtomically(file, good.substr(0, good.size() / 2));
+  Sweep again(e, folder / "out");
+  EXPECT_EQ(again.results().done(), 0u);
+  again.run(*session, p);
+  EXPECT_TRUE(again.results().complete());
+}
+
+TEST_F(SweepTest, StopRules) {
+  const auto session = makeSession();
+  Progress p;
+  Sweep frames(tiny(R"("stop": {"frames": 6}, "path_tracer": false)"), folder / "frames");
+  frames.run(*session, p);
+  const RunRecord& a = *frames.results().runs[0];
+  EXPECT_EQ(a.frames, 6u);
+  std::vector<uint32_t> counts;
+  for (const ErrorAt& at : a.convergence) counts.push_back(at.frames);
+  EXPECT_EQ(counts, (std::vector<uint32_t>{2, 4, 6})) << "the first goes before the bake is done";
+  for (size_t i = 1; i < a.convergence.size(); ++i) EXPECT_GT(a.convergence[i].ms, a.convergence[i - 1].ms);
+  EXPECT_GT(a.workMs, 0);
+
+  Sweep ms(tiny(R"("stop": {"ms": 150}, "path_tracer": false)"), folder / "ms");
+  ms.run(*session, p);
+  const RunRecord& b = *ms.results().runs[0];
+  EXPECT_GE(b.totalMs, 150);
+  EXPECT_GT(b.frames, 0u);
+  expectNoMessages(*session);
+}
+
+TEST_F(SweepTest, ThePathTracerComesToTheTruth) {
+  const auto session = makeSession();
+  Progress p;
+  Preset preset = smallPreset("cornell_box", "radiosity");
+  preset.parameters["reference.samples"] = "1024";
+  preset.width = 24, preset.height = 18;
+  session->load(preset, &p);
+  session->reference("image", &p);
+  const auto tracer = session->progressiveTracer(12345);
+  const auto mseNow = [&] {
+    for (const ErrorValue& e : session->measureErrorsOf(tracer->image(), {"mse"}))
+      if (e.reference == "matched" && e.component == "indirect" && e.roi.empty()) return e.value;
+    return -1.0;
+  };
+  while (tracer->passes() < 16) tracer->advance(p);
+  const double few = mseNow();
+  while (tracer->passes() < 256) tracer->advance(p);
+  const double many = mseNow();
+  EXPECT_GT(tracer->ms(), 0);
+  EXPECT_GT(few, 0);
+  // Unbiased: sixteen times the paths, a sixteenth of the squared error, or better by stratification; a bias would stop it well above.
+  EXPECT_LT(many, few / 10);
+  Progress stopped;
+  stopped.cancel();
+  EXPECT_THROW(tracer->advance(stopped), Error);
+  EXPECT_EQ(tracer->passes(), 256u) << "a cancelled pass is forgotten";
+}
+
+}  // namespace
+}  // namespace hl::test
