@@ -219,6 +219,9 @@ int run(const std::vector<std::string>& a) {
 int main(int argc, char** argv) {
   try {
     return hl::run({argv + 1, argv + argc});
+  } catch (const hl::Error& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return e.exitCode();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;
