@@ -5,8 +5,8 @@
 
 Three bakes into the same texels: Cycles (total irradiance), our reference (total irradiance), our radiosity (indirect irradiance, its own
 bounces to 32). Error: root of the mean over texels, weighted by area, of (v - A)(v - B) / (r^2 + e^2), r = (A + B) / 2, e = 0.01 of its mean, luminance; A
-and B are two independent runs of our reference, so the truth's own noise does not count (MEASURES.md). Cycles takes points all over a texel, we its centroid:
-texels with a neighbour outside their chart, or inside another thing, are left out of the first two bakes, and Cycles is measured against two long bakes of its own, too. Radiosity's error is what
+and B are two independent runs of our reference, so the truth's own noise does not count (MEASURES.md). Cycles takes points all over a texel, we its centroid;
+the standard error (+-) is over texels. Texels with a neighbour outside their chart, or inside another thing, are left out of the first two bakes, and Cycles is measured against two long bakes of its own, too. Radiosity's error is what
 `halflight-cli render` says, over all texels. Seconds: wall clock of the bake itself, and of the processor: of the bake call for Cycles, of the whole program (start-up, scene,
 for radiosity the picture and the measuring too) for ours. Times to an error are the processor's: wall clocks of a shared machine do not compare.
 Environment: PEER_SCENE, HALFLIGHT_CLI, BLENDER; HALFLIGHT_CACHE is set to OUT/cache so that nothing is found done.
@@ -70,8 +70,8 @@ def radiosity(samples, truth, resolution):
                            f"lightmap.resolution={resolution}", "--set", f"radiosity.samples={samples}", "--set", "radiosity.bounces=32", "--set",
                            "radiosity.residual=1e-4", "--set", f"reference.samples={truth}", "--set", "reference.direct_samples=256", "--set", "reference.seed=1")
     result = json.loads(text)
-    errors = {e["metric"]: e["value"] for e in result["errors"]}
-    return math.sqrt(max(errors["relmse"], 0)), errors["bias"], result["work"]["ms"] / 1000, processor
+    errors = {e["metric"]: e for e in result["errors"]}
+    return *root(errors["relmse"]["value"], errors["relmse"]["standard_error"]), errors["bias"]["value"], result["work"]["ms"] / 1000, processor
 
 
 def interior(lumels, resolution):
@@ -86,12 +86,19 @@ def interior(lumels, resolution):
     return inside
 
 
+def root(square, standard_error):
+    """And its own standard error; 0 where the square's estimate is negative, which a truth too noisy for it makes it."""
+    value = math.sqrt(max(square, 0))
+    return value, standard_error / (2 * value) if value else float("inf")
+
+
 def error(value, a, b, area):
     v, a, b = value @ LUMINANCE, a @ LUMINANCE, b @ LUMINANCE
     r = (a + b) / 2
     e = 0.01 * np.average(r, weights=area)
-    relative = math.sqrt(max(np.average((v - a) * (v - b) / (r * r + e * e), weights=area), 0))
-    return relative, np.average(v - r, weights=area) / np.average(r, weights=area)
+    squares = (v - a) * (v - b) / (r * r + e * e)
+    mean, weights = np.average(squares, weights=area), area / area.sum()
+    return *root(mean, math.sqrt((weights**2 * (squares - mean) ** 2).sum())), np.average(v - r, weights=area) / np.average(r, weights=area)
 
 
 def time_to(goal, rows):
@@ -122,22 +129,22 @@ def main():
     keep = interior(lumels, o.resolution) & (ca[lumels["texel"], 3] > 0)
     texels, area = lumels["texel"][keep], lumels["area"][keep]
     print(f"{len(lumels)} texels, {len(texels)} compared; long bakes apart by {100 * error(ca[texels, :3], a[texels], b[texels], area)[0]:.3f} % "
-          f"(mean {100 * error((ca + cb)[texels, :3] / 2, a[texels], b[texels], area)[1]:+.3f} %)")
-    print(f"{'samples':>8} {'bake':<10} {'error %':>8} {'own truth %':>12} {'bias %':>8} {'wall s':>8} {'proc. s':>8}")
+          f"(mean {100 * error((ca + cb)[texels, :3] / 2, a[texels], b[texels], area)[2]:+.3f} %)")
+    print(f"{'samples':>8} {'bake':<10} {'error %':>8} {'+-':>7} {'own truth %':>12} {'bias %':>8} {'wall s':>8} {'proc. s':>8}")
     rows = {"Cycles": [], "reference": [], "radiosity": []}
     own, bake_alone = [], []
     for samples in map(int, o.ladder.split(",")):
         value, wall, processor = cycles(o.out, samples, 1, o.resolution)
-        e, bias = error(value[texels, :3], a[texels], b[texels], area)
+        e, se, bias = error(value[texels, :3], a[texels], b[texels], area)
         mine = error(value[texels, :3], ca[texels, :3], cb[texels, :3], area)[0]
-        print(f"{samples:8} {'Cycles':<10} {100 * e:8.3f} {100 * mine:12.3f} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
+        print(f"{samples:8} {'Cycles':<10} {100 * e:8.3f} {100 * se:7.3f} {100 * mine:12.3f} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
         rows["Cycles"].append((processor, e)), own.append((processor, mine))
         value, wall, processor = reference(o.out, "ours", samples, 10, o.resolution)
-        e, bias = error(value[texels], a[texels], b[texels], area)
-        print(f"{samples:8} {'reference':<10} {100 * e:8.3f} {'':12} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
+        e, se, bias = error(value[texels], a[texels], b[texels], area)
+        print(f"{samples:8} {'reference':<10} {100 * e:8.3f} {100 * se:7.3f} {'':12} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
         rows["reference"].append((processor, e))
-        e, bias, wall, processor = radiosity(samples, o.truth, o.resolution)
-        print(f"{samples:8} {'radiosity':<10} {100 * e:8.3f} {'':12} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
+        e, se, bias, wall, processor = radiosity(samples, o.truth, o.resolution)
+        print(f"{samples:8} {'radiosity':<10} {100 * e:8.3f} {100 * se:7.3f} {'':12} {100 * bias:8.3f} {wall:8.2f} {processor:8.2f}", flush=True)
         rows["radiosity"].append((processor, e)), bake_alone.append((wall, e))
     for goal in (0.02, 0.01):
         for name, table in list(rows.items()) + [("Cycles, own truth", own), ("radiosity, wall clock of the bake", bake_alone)]:
