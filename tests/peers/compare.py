@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Our pictures against another renderer's, of one scene and camera (numpy, OpenImageIO's Python):
 
-    compare.py DIR PEER [--region NAME,X,Y,W,H]... [--terms FILE]
+    compare.py DIR PEER [--region NAME,X,Y,W,H]... [--scale F] [--map FILE.exr]
 
 DIR has ours_SEED.pfm (peer_scene render) and PEER_SEED.exr, at least 5 seeds of each (10 for a claim). Per pixel and channel
 z = (mean ours - mean peer) / sqrt(var_ours / n_ours + var_peer / n_peer), with variances over the seeds. A pixel passes where |z| is within the two-sided
@@ -24,17 +24,22 @@ import OpenImageIO as oiio
 ALPHA, SHARE, SIGMAS, SMALL_Z = 0.01, 0.9975, 3.0, 2.576
 
 
+def bad(message):
+    print("compare.py: " + message, file=sys.stderr)
+    sys.exit(2)
+
+
 def pictures(folder, name):
     found = sorted(glob.glob(os.path.join(folder, name + "_*.exr")) + glob.glob(os.path.join(folder, name + "_*.pfm")))
     if len(found) < 5:
-        sys.exit(f"compare.py: {folder} has {len(found)} pictures {name}_SEED; at least 5 are needed") if found else sys.exit(2)
+        bad(f"{folder} has {len(found)} pictures {name}_SEED; at least 5 are needed")
     images, seconds, samples = [], [], []
     for file in found:
         source = oiio.ImageInput.open(file)
         pixels = source.read_image(oiio.FLOAT)[..., :3].astype(np.float64)
         source.close()
         if not np.isfinite(pixels).all():
-            sys.exit(f"compare.py: {file} has pixels that are not finite")
+            bad(f"{file} has pixels that are not finite")
         images.append(pixels)
         with open(os.path.splitext(file)[0] + ".json") as f:
             note = json.load(f)
@@ -60,12 +65,14 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("peer")
     parser.add_argument("--region", action="append", default=[])
+    parser.add_argument("--scale", type=float, default=1, help="multiplies ours: shows how small a difference the test sees")
     parser.add_argument("--map", help="writes |z| per pixel, the largest of its channels, as EXR")
     o = parser.parse_args()
     ours, our_seconds, our_samples = pictures(o.folder, "ours")
+    ours *= o.scale
     peer, peer_seconds, peer_samples = pictures(o.folder, o.peer)
     if ours.shape[1:] != peer.shape[1:]:
-        sys.exit(f"compare.py: ours is {ours.shape[2]} x {ours.shape[1]}, {o.peer} {peer.shape[2]} x {peer.shape[1]}")
+        bad(f"ours is {ours.shape[2]} x {ours.shape[1]}, {o.peer} {peer.shape[2]} x {peer.shape[1]}")
     variance = ours.var(axis=0, ddof=1) / len(ours) + peer.var(axis=0, ddof=1) / len(peer)
     difference = ours.mean(axis=0) - peer.mean(axis=0)
     # Pixels without variance (a lamp seen whole, a miss) must agree to float rounding.

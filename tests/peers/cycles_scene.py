@@ -209,10 +209,11 @@ def main():
             json.dump({"seconds": time.time() - start, "samples": int(samples), "version": "Blender " + bpy.app.version_string}, f)
 
 
-try:
-    main()
-except Exception:
-    import traceback
+if __name__ == "__main__":
+    try:
+        main()
+    except Exception:
+        import traceback
 
-    traceback.print_exc()
-    sys.exit(1)
+        traceback.print_exc()
+        sys.exit(1)

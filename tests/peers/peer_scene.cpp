@@ -1,9 +1,11 @@
 // What another renderer needs to draw the very same picture, and our own picture with the same pixel filter.
 //
 //   peer_scene export SCENE CAMERA DIR
+//   peer_scene atlas SCENE RESOLUTION DIR
 //   peer_scene render SCENE CAMERA WIDTH HEIGHT GRID SPP SEED DIR
 //
 // `export` writes DIR/scene.json and DIR/*.bin: the scene as the engine loaded it (little-endian arrays, world space, metres).
+// `atlas` writes DIR/corner_uvs.bin and lumels.bin (texel, chart, area; row 0 at v = 0): the lightmap's layout, for bakes.
 // `render` writes DIR/ours_SEED.pfm, total radiance of diffuse transport with every bounce: emission + albedo / pi * E. The
 // reference starts from given points and knows no pixel filter; here its receivers are GRID x GRID places a pixel, one at random
 // in each cell of a grid, so their mean is a box filter. Each place takes SPP paths (at least 2) and as many samples of direct light. Triangles'
@@ -23,6 +25,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
+#include "engine/lightmap/atlas.h"
 #include "engine/reference/reference.h"
 #include "engine/reference/surface.h"
 #include "engine/scene/scene_file.h"
@@ -95,6 +98,24 @@ void exportScene(const Scene& scene, const Camera& camera, const fs::path& folde
   if (!out) throw badInput(fmt::format("peer_scene: cannot write {}", (folder / "scene.json").string()));
 }
 
+struct LumelRecord {
+  uint32_t texel, chart;
+  float area;
+};
+
+void exportAtlas(const Scene& scene, int resolution, const fs::path& folder) {
+  fs::create_directories(folder);
+  TaskPool pool;
+  Progress progress;
+  AtlasSettings settings;
+  settings.resolution = resolution;
+  const Atlas atlas = buildAtlas(scene, settings, pool, progress);
+  writeArray(folder / "corner_uvs.bin", atlas.cornerUvs);
+  std::vector<LumelRecord> lumels;
+  for (const Lumel& l : atlas.lumels) lumels.push_back({l.texel, atlas.charts[l.triangle], l.area});
+  writeArray(folder / "lumels.bin", lumels);
+}
+
 /// What the camera sees through one place of each pixel: where light is wanted, and what becomes of it.
 struct View {
   std::vector<Receiver> receivers;
@@ -163,24 +184,32 @@ void render(const Scene& scene, const Camera& camera, int width, int height, int
   if (nonFinite) throw Error(ErrorKind::Run, fmt::format("peer_scene: {} contributions were not finite", nonFinite));
 }
 
+int wholeNumber(const std::string& text, int least) {
+  char* end = nullptr;
+  const long v = std::strtol(text.c_str(), &end, 10);
+  if (text.empty() || *end || v < least || v > 65536)
+    throw badInput(fmt::format("peer_scene: '{}' should be a number from {} to 65536", text, least));
+  return static_cast<int>(v);
+}
+
 int run(const std::vector<std::string>& a) {
   if (a.size() == 4 && a[0] == "export") {
     const Scene scene = loadScene(a[1]);
     exportScene(scene, cameraNamed(scene, a[2]), a[3]);
     return 0;
   }
-  if (a.size() == 9 && a[0] == "render") {
-    const auto number = [&](size_t i, int least) {
-      char* end = nullptr;
-      const long v = std::strtol(a[i].c_str(), &end, 10);
-      if (*end || v < least || v > 65536) throw badInput(fmt::format("peer_scene: '{}' should be a number from {} to 65536", a[i], least));
-      return static_cast<int>(v);
-    };
-    const Scene scene = loadScene(a[1]);
-    render(scene, cameraNamed(scene, a[2]), number(3, 1), number(4, 1), number(5, 1), number(6, 2), static_cast<uint32_t>(number(7, 0)), a[8]);
+  if (a.size() == 4 && a[0] == "atlas") {
+    const int resolution = wholeNumber(a[2], 4);
+    exportAtlas(loadScene(a[1]), resolution, a[3]);
     return 0;
   }
-  std::fputs("usage: peer_scene export SCENE CAMERA DIR | peer_scene render SCENE CAMERA WIDTH HEIGHT GRID SPP SEED DIR\n", stderr);
+  if (a.size() == 9 && a[0] == "render") {
+    const Scene scene = loadScene(a[1]);
+    render(scene, cameraNamed(scene, a[2]), wholeNumber(a[3], 1), wholeNumber(a[4], 1), wholeNumber(a[5], 1), wholeNumber(a[6], 2),
+           static_cast<uint32_t>(wholeNumber(a[7], 0)), a[8]);
+    return 0;
+  }
+  std::fputs("usage: peer_scene export SCENE CAMERA DIR | peer_scene atlas SCENE RESOLUTION DIR | peer_scene render SCENE CAMERA WIDTH HEIGHT GRID SPP SEED DIR\n", stderr);
   return 2;
 }
 
@@ -190,6 +219,9 @@ int run(const std::vector<std::string>& a) {
 int main(int argc, char** argv) {
   try {
     return hl::run({argv + 1, argv + argc});
+  } catch (const hl::Error& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return e.exitCode();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -88,7 +88,10 @@ scene = {
         {"type": "directional", "name": "sun", "direction": [0.3, -0.6, -0.74], "irradiance": [3, 2.8, 2.2]},
     ],
     "sky": [0.5, 0.7, 1.0],
-    "cameras": [{"name": "front", "position": [0.2, 1.5, 5.2], "target": [0, 1.4, 0], "vertical_fov_degrees": 50}],
+    "cameras": [
+        {"name": "front", "position": [0.2, 1.5, 5.2], "target": [0, 1.4, 0], "vertical_fov_degrees": 50},
+        {"name": "shaded wall", "position": [0.2, 1.5, 5.2], "target": [1.77, 1.76, 0], "vertical_fov_degrees": 5},
+    ],
 }
 for name, text in (("textured_room.obj", "\n".join(obj) + "\n"), ("textured_room.mtl", mtl), ("textured_room.json", json.dumps(scene, indent=1))):
     with open(os.path.join(folder, name), "w") as f:
