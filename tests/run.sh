@@ -32,7 +32,7 @@ done
 # No test reads what a person's own runs left, nor what the last run of the tests did.
 export HALFLIGHT_CACHE="$all/cache"
 rm -rf "$HALFLIGHT_CACHE"
-unset HALFLIGHT_HOME HALFLIGHT_SHADERS
+unset HALFLIGHT_HOME HALFLIGHT_SHADERS HALFLIGHT_IMPORT_MODULE
 export QT_QPA_PLATFORM="${QT_QPA_PLATFORM:-offscreen}"
 source "$halflight_root/tests/sanitizer_options.sh"
 
