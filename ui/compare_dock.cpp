@@ -260,9 +260,10 @@ void ComparePanel::readSnapshots() {
   }
   filling_ = false;
   const Snapshots& all = compare_.snapshots();
-  memory_->setText(tr("%n snapshots, %1 MB of at most %2 MB", nullptr, static_cast<int>(all.all().size()))
+  memory_->setText(tr("Snapshots: %3, %1 MB of at most %2 MB")
                        .arg(static_cast<double>(all.bytes()) / (1 << 20), 0, 'f', 1)
-                       .arg(all.mostBytes() >> 20));
+                       .arg(all.mostBytes() >> 20)
+                       .arg(all.all().size()));
   showFacts();
 }
 

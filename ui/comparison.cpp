@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/core/error.h"
-#include "engine/metrics/metrics.h"
+#include "engine/passes/error_colours.h"
 
 namespace hl::ui {
 namespace {
@@ -26,9 +26,7 @@ Image ramp(float from, float to) {
   return out;
 }
 
-QImage colours(const Image& map, float scale, bool isSigned) {
-  return pictureOf(falseColour(map, scale, isSigned ? ColourScale::Signed : ColourScale::Viridis), map.width, map.height);
-}
+QImage signedColours(const Image& map, float scale) { return pictureOf(falseColour(map, scale, ColourScale::Signed), map.width, map.height); }
 
 /// Differences and maps: pixel against pixel.
 void renderMap(const ComparisonJob& job, ComparisonPictures& out) {
@@ -39,28 +37,36 @@ void renderMap(const ComparisonJob& job, ComparisonPictures& out) {
   }
   if (job.mode == CompareMode::Difference) {
     const float scale = 1 / std::max(job.gain, 1e-6f);
-    out.a = colours(difference(a, b, std::exp2(job.display.exposure)), scale, true);
-    out.legend = colours(ramp(-scale, scale), scale, true);
+    out.a = signedColours(difference(a, b, std::exp2(job.display.exposure)), scale);
+    out.legend = signedColours(ramp(-scale, scale), scale);
     out.low = say("A darker by %1").arg(static_cast<double>(scale), 0, 'g', 3);
     out.high = say("A brighter by %1").arg(static_cast<double>(scale), 0, 'g', 3);
     return;
   }
-  Image map;
   try {
-    map = measure(job.metric, a, ReferenceImage{b, {}, {}}, {}, true).map;
+    const MetricInfo& metric = metricInfo(job.metric);
+    const Image map = measure(job.metric, a, ReferenceImage{b, {}, {}}, howShown(job.display, true)).map;
+    out.a = pictureOf(errorColours(map, metric), map.width, map.height);
+    // The legend goes through the same colours as the map.
+    const double least = metric.mapSigned ? -static_cast<double>(colourScale(map)) : metric.mapEnd > 0 ? metric.perfect : 0;
+    const double most = metric.mapEnd > 0 && !metric.mapSigned ? metric.perfect + static_cast<double>(metric.mapEnd) : static_cast<double>(colourScale(map));
+    out.legend = pictureOf(errorColours(ramp(static_cast<float>(least), static_cast<float>(most)), metric), kLegendSteps, 1);
+    out.low = QString::number(least, 'g', 3);
+    out.high = QString::fromStdString(job.metric) + QLatin1Char(' ') + (metric.perfect > 0 && metric.mapEnd > 0 ? QString::number(metric.perfect - static_cast<double>(metric.mapEnd), 'g', 3) : QString::number(most, 'g', 3));
   } catch (const Error& e) {
     out.refused = QString::fromUtf8(e.what());
-    return;
   }
-  const bool isSigned = std::any_of(map.data.begin(), map.data.end(), [](float v) { return v < 0; });
-  const float scale = colourScale(map);
-  out.a = colours(map, scale, isSigned);
-  out.legend = colours(ramp(isSigned ? -scale : 0, scale), scale, isSigned);
-  out.low = QString::number(isSigned ? -static_cast<double>(scale) : 0.0, 'g', 3);
-  out.high = QString::fromStdString(job.metric) + QStringLiteral(" \u2265 ") + QString::number(static_cast<double>(scale), 'g', 3);
 }
 
 }  // namespace
+
+MeasureOptions howShown(const hl::Display& display, bool wantMap) {
+  MeasureOptions options;
+  options.wantMap = wantMap;
+  options.appearance.exposure = display.exposure;
+  options.appearance.curve = toneMapCurve(display.toneMap);
+  return options;
+}
 
 QImage pictureOf(std::vector<unsigned char> rgba, int width, int height) {
   auto* bytes = new std::vector<unsigned char>(std::move(rgba));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/image.h"
+#include "engine/metrics/metrics.h"
 #include "engine/passes/display.h"
 
 namespace hl::ui {
@@ -46,6 +47,8 @@ class ToneMappedImages {
   size_t next_ = 0;
 };
 
+/// Metrics of appearance judge what a screen would show.
+MeasureOptions howShown(const hl::Display&, bool wantMap = false);
 /// Over the bytes themselves, which it takes.
 QImage pictureOf(std::vector<unsigned char> rgba, int width, int height);
 ComparisonPictures renderComparison(const ComparisonJob&, ToneMappedImages&);

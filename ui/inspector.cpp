@@ -223,7 +223,8 @@ QString InspectorPanel::text() const {
 
 void InspectorPanel::resizeEvent(QResizeEvent* event) {
   QWidget::resizeEvent(event);
-  parts_->setDirection(width() > 1.4 * height() ? QBoxLayout::LeftToRight : QBoxLayout::TopToBottom);
+  // Side by side only where the table keeps its columns.
+  parts_->setDirection(width() > fontMetrics().horizontalAdvance(QLatin1Char('0')) * 110 ? QBoxLayout::LeftToRight : QBoxLayout::TopToBottom);
 }
 
 }  // namespace hl::ui

@@ -6,6 +6,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/files.h"
+#include "engine/experiment/bundle.h"
 #include "engine/experiment/experiment.h"
 #include "engine/experiment/json_reader.h"
 #include "engine/experiment/open_target.h"
@@ -69,9 +70,10 @@ class ExperimentReader {
   /// A path is looked for beside the experiment, then where the program's own presets are.
   Preset namedBase(const JsonReader& node) const {
     const std::string name = node.text();
-    if (fs::path(name).extension() == ".json") {
+    const std::string extension = fs::path(name).extension().string();
+    if (extension == ".json" || extension == kBundleExtension) {
       for (const fs::path& at : {file_.parent_path() / name, homeFolder() / name})
-        if (fs::exists(at)) return loadPreset(at);
+        if (fs::exists(at)) return extension == kBundleExtension ? openBundle(at) : loadPreset(at);
       throw node.refused(fmt::format("there is no preset {} beside the experiment, nor in {}", name, homeFolder().string()));
     }
     std::vector<std::string> names;
@@ -81,7 +83,7 @@ class ExperimentReader {
     }
     const std::string near = nearest(name, names);
     throw node.refused(fmt::format("there is no preset \"{}\"; {}", name,
-                                   near.empty() ? "a path ends in .json" : fmt::format("did you mean \"{}\"?", near)));
+                                   near.empty() ? "a path ends in .json or .hlb" : fmt::format("did you mean \"{}\"?", near)));
   }
 
   void readPermute(const JsonReader& node) {

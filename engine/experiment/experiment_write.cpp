@@ -101,7 +101,7 @@ std::string experimentSchema(const std::string& presets) {
   for (const MetricInfo& m : metricInfos()) metrics.push_back(std::string(m.id));
   Json properties = {
       {"version", {{"const", kExperimentVersion}}},
-      {"base", {{"anyOf", {{{"type", "string"}, {"minLength", 1}, {"description", "A preset's name; or its path, beside the experiment or in the program's folder, which ends in .json."}}, {{"$ref", presets}}}}}},
+      {"base", {{"anyOf", {{{"type", "string"}, {"minLength", 1}, {"description", "A preset's name; or its path, beside the experiment or in the program's folder, which ends in .json (or, of a bundle, .hlb)."}}, {{"$ref", presets}}}}}},
       {"permute", {{"anyOf", {product, listOf(product, "Their combinations are added up.")}}}},
       {"seeds", {{"anyOf", {seed, listOf(seed, "Each once."), closed({{"from", seed}, {"count", whole(1, kMaxAxisValues, 1, "How many.")}}, {"from", "count"})}}}},
       {"metrics", listOf({{"enum", metrics}}, "The first is that of the fronts. relmse and mse are measured in any case.")},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/core/files.h"
+#include "engine/core/import_module.h"
 #include "engine/core/json_writer.h"
 
 namespace hl {
@@ -76,7 +77,7 @@ void writeTable(JsonWriter& w, const SpeedTable& t) {
 }  // namespace
 
 std::filesystem::path pictureOf(const std::filesystem::path& folder, size_t configuration) {
-  return folder / "images" / fmt::format("configuration_{:04}.exr", configuration);
+  return folder / "images" / fmt::format("configuration_{:04}.{}", configuration, importMissing().empty() ? "exr" : "pfm");
 }
 
 std::string sweepJson(const SweepResults& r, const Summary& s) {

@@ -18,6 +18,7 @@ std::string convergenceCsv(const SweepResults&);
 /// For people: configurations, fronts, speed against error, bias and variance. Markdown.
 std::string sweepReport(const SweepResults&, const Summary&);
 
+/// EXR with preset and provenance; PFM where the import module is not there.
 std::filesystem::path pictureOf(const std::filesystem::path& folder, size_t configuration);
 
 }  // namespace hl

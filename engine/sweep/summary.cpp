@@ -265,8 +265,14 @@ void addTables(const SweepResults& r, Summary& s, size_t problem, const std::str
 }  // namespace
 
 double badness(const std::string& metric, double value) {
-  if (metric == "psnr" || metric == "ssim") return -value;
-  return metric == "bias" ? std::abs(value) : value;
+  for (const MetricInfo& m : metricInfos()) {
+    if (m.id != metric) continue;
+    if (std::isinf(m.perfect)) return -value;
+    if (m.perfect > 0) return m.perfect - value;
+    // Only what is signed by itself counts by its size: a squared error below 0 is a very small one.
+    return m.mapSigned ? std::abs(value) : value;
+  }
+  return value;
 }
 
 Summary summarise(const SweepResults& r) {

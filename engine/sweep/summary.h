@@ -81,7 +81,7 @@ struct Summary {
 /// Reads the pictures that bias and variance need from the folder; where one is missing, a configuration has none.
 Summary summarise(const SweepResults&);
 
-/// Smaller is better: the metric's value, its size for bias, its negative for what grows with likeness.
+/// Smaller is better: the metric's value; its size for bias; for what grows with likeness what it lacks of perfect, or its negative where that is infinite.
 double badness(const std::string& metric, double value);
 
 /// Of images of one picture under different seeds (equal sizes): the variance of a pixel's channel, meant over `pixels` of them, by the sample variance;

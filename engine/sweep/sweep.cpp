@@ -154,12 +154,15 @@ double Sweep::secondsLeft() const {
   }
   if (!r.experiment.pathTracer) return left;
   // The path tracer runs as long as a problem's slowest configuration, once a seed.
-  for (const SweepProblem& problem : r.problems) {
+  for (size_t at = 0; at < r.problems.size(); ++at) {
+    const SweepProblem& problem = r.problems[at];
+    size_t raced = 0;
+    for (const TracerRun& run : r.tracer) raced += run.problem == at ? 1 : 0;
     double slowest = 0;
     for (size_t i = 0; i < r.plan.size(); ++i)
       if (r.runs[i] && std::find(problem.configurations.begin(), problem.configurations.end(), r.plan[i].configuration) != problem.configurations.end())
         slowest = std::max(slowest, r.runs[i]->totalMs / 1000);
-    left += slowest * static_cast<double>(r.experiment.seeds.size());
+    left += slowest * static_cast<double>(r.experiment.seeds.size() - std::min(raced, r.experiment.seeds.size()));
   }
   return left;
 }

@@ -68,7 +68,9 @@ std::string sweepCsv(const SweepResults& r) {
     const RunRecord& run = *r.runs[i];
     const std::string head = fmt::format("run,{},{},{}{},{},{}", cell(r.problems[problemAt[p.configuration]].label), p.configuration,
                                          cell(p.preset.technique), axisCells(r, keys, p.configuration), p.seed, p.repeat);
-    const std::string tail = fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", run.frames, run.imageHash, run.deviceBytes, run.techniqueBytes,
+    // How many frames are shown while work goes on is the machine's pace, no result.
+    const std::string frames = r.experiment.stop.kind == StopRule::Kind::Settled ? "" : fmt::format("{}", run.frames);
+    const std::string tail = fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frames, run.imageHash, run.deviceBytes, run.techniqueBytes,
                                          cell(run.frameTime.medianMs), cell(run.frameTime.p5Ms), cell(run.frameTime.p95Ms), cell(run.techniqueMs),
                                          cell(run.prepareMs), cell(run.workMs), cell(run.totalMs), cell(run.failed), p.key);
     if (!run.failed.empty()) out += head + ",,,,,,,," + tail;

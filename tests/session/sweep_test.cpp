@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/image_io.h"
 #include "engine/sweep/results_folder.h"
 #include "engine/sweep/sweep.h"
 #include "tests/session_fixture.h"
@@ -203,11 +204,30 @@ TEST_F(SweepTest, StopRules) {
   for (size_t i = 1; i < a.convergence.size(); ++i) EXPECT_GT(a.convergence[i].ms, a.convergence[i - 1].ms);
   EXPECT_GT(a.workMs, 0);
 
-  Sweep ms(tiny(R"("stop": {"ms": 150}, "path_tracer": false)"), folder / "ms");
+  Sweep ms(tiny(R"("stop": {"ms": 150}, "path_tracer": false, "images": true)"), folder / "ms");
   ms.run(*session, p);
   const RunRecord& b = *ms.results().runs[0];
   EXPECT_GE(b.totalMs, 150);
   EXPECT_GT(b.frames, 0u);
+  const Image picture = readImage(pictureOf(folder / "ms", 0));
+  EXPECT_EQ(hashOfImage(picture), b.imageHash) << "the picture that was measured";
+  expectNoMessages(*session);
+}
+
+TEST_F(SweepTest, ALimitEndsARunAndSaysSo) {
+  const auto session = makeSession();
+  Progress p;
+  // The first is over before anyone looks, and is judged by what it took; the second would go on for minutes.
+  const Experiment e = tiny(R"("limit_ms": 0.5, "path_tracer": false, "permute": [{"radiosity.samples": 4}, {"lightmap.resolution": 512, "radiosity.samples": 4096}])");
+  Sweep sweep(e, folder / "out");
+  RunResults results;
+  const RunRecord quick = measureRun(*session, e, sweep.results().plan[0], {}, {}, p, results);
+  EXPECT_NE(quick.failed.find("the limit is"), std::string::npos) << quick.failed;
+  EXPECT_GT(quick.totalMs, 0.5);
+  const RunRecord slow = measureRun(*session, e, sweep.results().plan[1], {}, {}, p, results);
+  EXPECT_NE(slow.failed.find("ended after"), std::string::npos) << slow.failed;
+  EXPECT_LT(slow.seconds, 20);
+  EXPECT_FALSE(p.cancelled()) << "the sweep goes on";
   expectNoMessages(*session);
 }
 

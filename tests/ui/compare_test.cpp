@@ -259,7 +259,7 @@ class CompareTest : public QObject {
       QVERIFY2(compare().pictures().high.startsWith(c.metric), qPrintable(compare().pictures().high));
       QVERIFY2(seen(0.25, 0.45) != seen(0.75, 0.45), qPrintable(c.metric));
       // As the metric itself makes it.
-      const Image map = measure(c.metric.toStdString(), *a, ReferenceImage{*plain(vec3(0.5f)), {}, {}}, {}, true).map;
+      const Image map = measure(c.metric.toStdString(), *a, ReferenceImage{*plain(vec3(0.5f)), {}, {}}, howShown(window_->document().preset().display, true)).map;
       QVERIFY(std::abs(map.pixel(2, 10)[0]) != std::abs(map.pixel(kWidth - 2, 10)[0]));
     }
   }

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <latch>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -160,6 +161,54 @@ class ResponsivenessTest : public QObject {
     }
     QVERIFY(hands.editedEverything());
     stopAndJudge("Cornell box", heartbeat);
+  }
+
+  /// Every mode of comparison, one after the other, over the reference as it is traced; with snapshots, the inspector and someone at the exposure.
+  void comparingLeavesTheWindowAlone() {
+    QTemporaryDir folder;
+    Settings settings(folder.filePath("settings.ini"));
+    Preset p;
+    p.width = 640, p.height = 360;
+    p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.samples", "32"}, {"radiosity.bounces", "2"}, {"reference.samples", "512"}};
+    const QString file = folder.filePath("experiment.json");
+    savePreset(p, file.toStdString());
+    SessionLink link{SessionOptions{}};
+    MainWindow window(link, settings, file);
+    window.show();
+    QVERIFY(QTest::qWaitForWindowExposed(&window));
+    window.switchLayout("compare");
+    QVERIFY(QTest::qWaitFor([&] { return link.latest() && !link.latest()->technique.running; }, kLongest));
+    Compare& compare = window.compare();
+    size_t pictures = 0;
+    std::set<CompareMode> seen;
+    connect(&compare, &Compare::picturesChanged, this, [&] {
+      if (!compare.pictures().a.isNull()) ++pictures, seen.insert(compare.pictures().mode);
+    });
+    CompareChoice first = compare.choice();
+    first.mode = CompareMode::WipeAcross, first.flickerHz = 10;
+    compare.choose(first);
+    QVERIFY(QTest::qWaitFor([&] { return pictures > 0; }, kLongest));
+    Heartbeat heartbeat;
+    start(heartbeat);
+    QTimer hands;
+    int step = 0;
+    connect(&hands, &QTimer::timeout, this, [&] {
+      ++step;
+      CompareChoice c = compare.choice();
+      if (step % 3 == 0) c.mode = static_cast<CompareMode>(1 + step / 3 % 6);
+      c.wipe = step % 10 / 10.0, c.gain = 1 + step % 9, c.indirect = step / 18 % 2;
+      c.metric = step / 36 % 2 ? "relmse" : "flip";
+      compare.choose(c);
+      if (step % 17 == 0) compare.takeSnapshot();
+      if (step % 5 == 0) QTest::keyClick(&window.viewport(), Qt::Key_E, step % 2 ? Qt::ShiftModifier : Qt::NoModifier);
+      if (step % 7 == 0) QTest::mouseClick(&window.viewport(), Qt::RightButton, {}, window.viewport().rect().center() + QPoint(step % 60, 0));
+    });
+    hands.start(120);
+    QVERIFY(QTest::qWaitFor([&] { return heartbeat.beats() >= kLeastBeats && seen.size() == 6; }, kLongest));
+    hands.stop();
+    QVERIFY(compare.snapshots().all().size() > 1);
+    std::printf("%zu comparisons were drawn\n", pictures);
+    stopAndJudge("Comparing", heartbeat);
   }
 
   /// 262 000 triangles and their textures: what keeps an engine busy, and what a window must not touch.

@@ -116,6 +116,7 @@ TEST(BiasAndVariance, IntervalsHoldTheTruth) {
 
 TEST(Summary, WhatGrowsWithLikenessIsTurnedRound) {
   EXPECT_EQ(badness("psnr", 30), -30);
+  EXPECT_DOUBLE_EQ(badness("ssim", 0.9), 1 - 0.9);
   EXPECT_EQ(badness("bias", -0.2), 0.2);
   EXPECT_EQ(badness("relmse", -0.2), -0.2);
 }
