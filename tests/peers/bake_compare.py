@@ -102,8 +102,7 @@ def error(value, a, b, area):
 
 
 def time_to(goal, rows):
-    """Between the two rows round the goal, along a straight line of logarithms; past the last by the inverse root of time."""
-    rows = sorted(rows)
+    """Rows of (seconds, error) by rising samples: between the two round the goal, along a straight line of logarithms; past the last by the inverse root of time."""
     for (t0, e0), (t1, e1) in zip(rows, rows[1:]):
         if e0 > goal >= e1 > 0:
             return t0 * (t1 / t0) ** (math.log(e0 / goal) / math.log(e0 / e1)), ""
