@@ -1,3 +1,4 @@
+#include "engine/scene/scene_bundle.h"
 #include "ui/preset_actions.h"
 
 #include <QAction>
@@ -68,7 +69,7 @@ QString PresetActions::startFolder() const { return settings_.value(kFolderKey).
 
 void PresetActions::openFile() {
   auto* dialog = new QFileDialog(window_, tr("Open"), startFolder(),
-                                 tr("Presets, scenes, meshes, screenshots (*.json *.obj *.gltf *.glb *.png *.exr);;All files (*)"));
+                                 tr("Presets, scenes, meshes, bundles, screenshots (*.json *.obj *.gltf *.glb *.hlb *.png *.exr);;All files (*)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setFileMode(QFileDialog::ExistingFile);
   connect(dialog, &QFileDialog::fileSelected, this, &PresetActions::openPath);
@@ -76,7 +77,7 @@ void PresetActions::openFile() {
 }
 
 void PresetActions::openSceneFile() {
-  auto* dialog = new QFileDialog(window_, tr("Open scene or mesh"), startFolder(), tr("Scenes and meshes (*.json *.obj *.gltf *.glb)"));
+  auto* dialog = new QFileDialog(window_, tr("Open scene or mesh"), startFolder(), tr("Scenes, meshes and bundles (*.json *.obj *.gltf *.glb *.hlb)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setFileMode(QFileDialog::ExistingFile);
   connect(dialog, &QFileDialog::fileSelected, this, &PresetActions::openPath);
@@ -84,7 +85,8 @@ void PresetActions::openSceneFile() {
 }
 
 void PresetActions::save() {
-  if (document_.path().isEmpty())
+  // A bundle is more than its preset: that is saved as a file of its own.
+  if (document_.path().isEmpty() || isBundleFile(document_.path().toStdString()))
     saveAs();
   else
     document_.save(document_.path());
