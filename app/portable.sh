@@ -26,12 +26,16 @@ halflight_install "${halflight_build_packages[@]}" xz-utils
 if $validation; then halflight_install vulkan-validationlayers; fi
 mkdir -p "$halflight_root/build"
 build="$halflight_root/build/release"
-if [ ! -f "$build/CMakeCache.txt" ]; then
-  if $tests; then halflight_install "${halflight_test_packages[@]}"; halflight_configure release; else halflight_configure release -DHALFLIGHT_BUILD_TESTS=OFF; fi
+if $tests; then
+  halflight_install "${halflight_test_packages[@]}"
+  halflight_configure release -DHALFLIGHT_BUILD_TESTS=ON
+elif [ ! -f "$build/CMakeCache.txt" ]; then
+  halflight_configure release -DHALFLIGHT_BUILD_TESTS=OFF
 fi
 targets=(halflight-cli)
 if $tests; then
   while read -r target; do targets+=("$target"); done < <(ctest --test-dir "$build" -N -L 'gpu|parity' | sed -n 's/^ *Test *#[0-9]*: *//p')
+  if [ ${#targets[@]} -lt 2 ]; then halflight_say "no tests of the device were found in $build"; exit 1; fi
 fi
 halflight_say "building ${#targets[@]} programs"
 cmake --build "$build" --target "${targets[@]}" -j "$halflight_jobs" >&2

@@ -45,12 +45,14 @@ Preset openTarget(const std::string& nameOrPath) {
   // A folder beside the person may have a scene's name: only a path is taken for a folder.
   if (fs::is_directory(path) && path.has_parent_path())
     throw badInput(fmt::format("{}: this is a folder; a preset, scene, mesh or image is wanted", nameOrPath));
-  if (extension == kBundleExtension) return openBundle(path);
+  if (isBundleFile(path)) return openBundle(path);
   if (extension == ".png" || extension == ".exr") return presetOfImage(path);
   if (extension == ".json" && fs::exists(path)) {
     // Only a preset names a scene; only a scene has a mesh or shapes.
     const nlohmann::json document = parseStrictJson(readFile(path), nameOrPath);
     if (document.is_object() && document.contains("scene")) return loadPreset(path);
+    if (document.is_object() && document.contains("base"))
+      throw badInput(fmt::format("{}: this is an experiment, which `halflight-cli bench` runs; a preset, scene, mesh, bundle or image is wanted", nameOrPath));
     const bool scene = document.is_object() && (document.contains("mesh") || document.contains("shapes") ||
                                                 document.contains("lights") || document.contains("cameras"));
     if (!scene && document.is_object() && (document.contains("technique") || document.contains("parameters")))

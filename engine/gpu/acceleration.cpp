@@ -38,6 +38,7 @@ AccelerationState::Level build(Device::Impl& device, const std::string& name, Vk
   vkGetAccelerationStructureBuildSizesKHR(device.device, VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, counts.data(), &sizes);
 
   AccelerationState::Level level;
+  level.device = device.shared_from_this();
   level.storage = device.makeBuffer(name, sizes.accelerationStructureSize, TexelFormat::None, MemoryUse::Device);
   VkAccelerationStructureCreateInfoKHR create{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
   create.buffer = level.storage.state()->handle;
@@ -87,9 +88,8 @@ VkDeviceAddress Device::Impl::address(const Buffer& buffer) const {
   return vkGetBufferDeviceAddress(device, &info);
 }
 
-AccelerationState::~AccelerationState() {
-  for (const Level* level : {&top, &bottom})
-    if (level->handle != VK_NULL_HANDLE) vkDestroyAccelerationStructureKHR(device->device, level->handle, nullptr);
+AccelerationState::Level::~Level() {
+  if (handle != VK_NULL_HANDLE) vkDestroyAccelerationStructureKHR(device->device, handle, nullptr);
 }
 
 uint64_t AccelerationStructure::bytes() const { return state_ ? state_->bottom.storage.size() + state_->top.storage.size() : 0; }
@@ -99,7 +99,6 @@ AccelerationStructure Device::accelerationStructure(const std::string& name, std
   if (!device.survey.rayPipelines)
     throw Error(ErrorKind::Device, fmt::format("{}: {} has no ray tracing pipelines", name, device.survey.info.name));
   auto state = std::make_shared<AccelerationState>();
-  state->device = device.shared_from_this();
 
   std::vector<VkAccelerationStructureGeometryKHR> geometries;
   std::vector<uint32_t> counts;

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "engine/scene/scene_build.h"
 
 namespace hl {
@@ -12,7 +15,11 @@ constexpr std::string_view kScenes = "scene/";
 
 }  // namespace
 
-bool isBundleFile(const std::filesystem::path& file) { return file.extension() == kBundleExtension; }
+bool isBundleFile(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == kBundleExtension;
+}
 
 std::string bundledScenePart(const std::string& name) { return fmt::format("{}{}", kScenes, name); }
 

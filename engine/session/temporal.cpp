@@ -1,4 +1,6 @@
 // What a picture does over frames: flicker while nothing changes, and how it follows a step of the light or of a parameter.
+#include <utility>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -81,8 +83,11 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   Progress& p = progress ? *progress : *s.progress;
   checkStep(step);
   const Lights lights(*s.scene);
-  const bool referenceWanted = s.referenceWanted;
-  s.referenceWanted = false;  // its slices would stretch the frames
+  const struct Calm {  // slices of the reference would stretch the frames
+    bool& wanted;
+    const bool before = std::exchange(wanted, false);
+    ~Calm() { wanted = before; }
+  } calm{s.referenceWanted};
   std::string before;
   if (!step.ofLights()) {
     const ParamSet::Found found = s.params.find(step.key);
@@ -102,10 +107,7 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   const Image now = s.indirectIrradiance();
   apply(true);
   StepReport report;
-  if (now.data == after.data) {
-    s.referenceWanted = referenceWanted;
-    return report;
-  }
+  if (now.data == after.data) return report;
   TransientMeter meter(now, after, anySet(mask) ? mask : Mask());
   std::vector<double> ms;
   const double start = nowMs();
@@ -117,7 +119,6 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
     report.settled = result->settled;
     if (report.settled) break;
   }
-  s.referenceWanted = referenceWanted;
   const StepResponse r = meter.result();
   report.size = r.size, report.left = r.left, report.frames5 = r.frames5, report.frames1 = r.frames1;
   if (r.frames5) report.ms5 = ms[*r.frames5 - 1];

@@ -80,16 +80,13 @@ class TimeLimit {
   std::jthread watch_;
 };
 
-/// Reference and, where runs are limited, the whole of the work: what could take for ever.
+/// The reference, and where runs are limited the whole of the work: what could take for ever.
 void prepareWithin(Session& session, const Experiment& e, Progress& p) {
-  if (!(e.limitMs > 0)) {
-    session.reference("image", &p);
-    return;
-  }
+  session.reference("image", &p);  // not the run's own work, so no part of its limit
+  if (!(e.limitMs > 0)) return;
   Progress inner;
   const TimeLimit limit(p, inner, e.limitMs + kLimitSlackMs);
   try {
-    session.reference("image", &inner);
     session.finishWork(&inner);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::Cancelled && limit.up() && !p.cancelled())

@@ -52,10 +52,10 @@ std::vector<Race> racesOf(const SweepResults& r) {
   return out;
 }
 
-std::string keyOf(const Race& race, uint32_t seed, const std::vector<std::string>& metrics) {
+std::string keyOf(const Race& race, uint32_t seed, const Experiment& e) {
   Hasher h;
   h.text(presetHash(race.preset)).text(race.transport).value(seed).array(race.times);
-  for (const std::string& m : metrics) h.text(m);
+  hashMeasurement(h, e, race.preset);
   return h.hex();
 }
 
@@ -83,10 +83,14 @@ std::vector<TracerRun> storedTracerRuns(const SweepResults& r) {
   std::vector<TracerRun> out;
   for (const Race& race : racesOf(r))
     for (const uint32_t seed : r.experiment.seeds) {
-      const fs::path file = fileOf(r, keyOf(race, seed, measuredMetrics(r.experiment)));
+      const std::string key = keyOf(race, seed, r.experiment);
+      const fs::path file = fileOf(r, key);
       if (!fs::exists(file)) continue;
       try {
-        out.push_back(readTracerRun(readFile(file), file.string()));
+        TracerRun run = readTracerRun(readFile(file), file.string());
+        if (run.key != key) throw badInput(fmt::format("{}: it holds another race", file.string()));
+        run.problem = race.problem;  // problems may have another order by now
+        out.push_back(std::move(run));
       } catch (const Error& e) {
         logWarning(fmt::format("{}; it is run again", e.what()));
       }
@@ -101,7 +105,7 @@ void Sweep::raceTracer(Session& session, Progress& p) {
   for (const Race& race : racesOf(r)) {
     bool loaded = false;
     for (const uint32_t seed : r.experiment.seeds) {
-      TracerRun run{keyOf(race, seed, metrics), race.problem, race.transport, seed, r.hostThreads, {}};
+      TracerRun run{keyOf(race, seed, r.experiment), race.problem, race.transport, seed, r.hostThreads, {}};
       if (std::any_of(r.tracer.begin(), r.tracer.end(), [&](const TracerRun& t) { return t.key == run.key; })) continue;
       if (!loaded) {
         session.load(race.preset, &p);

@@ -13,13 +13,13 @@ namespace hl {
 namespace {
 
 // Changes whenever a run of the same preset would be measured in another way: results of before are then not taken up.
-constexpr uint32_t kRunVersion = 1;
+constexpr uint32_t kRunVersion = 2;
 
 std::string keyOf(const Experiment& e, const Preset& preset, int repeat) {
   Hasher h;
   h.value(kRunVersion).text(presetHash(preset)).value(repeat);
   h.value(static_cast<int>(e.stop.kind)).value(e.stop.amount);
-  for (const std::string& m : measuredMetrics(e)) h.text(m);
+  hashMeasurement(h, e, preset);
   return h.hex();
 }
 
@@ -52,6 +52,14 @@ void writeErrors(JsonWriter& w, const std::vector<ErrorValue>& errors) {
 }
 
 }  // namespace
+
+void hashMeasurement(Hasher& h, const Experiment& e, const Preset& preset) {
+  for (const std::string& m : measuredMetrics(e)) h.text(m);
+  h.value(preset.display.exposure).value(static_cast<int>(preset.display.toneMap));
+  h.value(preset.regions.has_value());
+  if (preset.regions)
+    for (const Region& r : *preset.regions) h.text(r.name).value(r.x).value(r.y).value(r.width).value(r.height);
+}
 
 std::vector<std::string> measuredMetrics(const Experiment& e) {
   std::vector<std::string> out = e.metrics;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/hash.h"
 #include "engine/core/json_writer.h"
 #include "engine/experiment/experiment.h"
 #include "engine/session/results_json.h"
@@ -24,6 +25,8 @@ std::vector<PlannedRun> planOf(const Experiment&, const std::vector<Configuratio
 
 /// The metrics that every run measures: those asked for, relmse (for tables) and mse (for bias and variance).
 std::vector<std::string> measuredMetrics(const Experiment&);
+/// What a measurement depends on beside the preset's own hash: metrics, how the picture is shown (some metrics see that) and regions.
+void hashMeasurement(Hasher&, const Experiment&, const Preset&);
 
 /// An error as it stood at a moment of a run.
 struct ErrorAt {

@@ -131,6 +131,8 @@ void Sweep::checkSameMachine(const Session& session) const {
     differ("device", p.device, now.device);
     differ("driver", p.driver, now.driver);
     differ("tracer", p.tracer, now.tracer);
+    differ("a scene with content", p.sceneHash, now.sceneHash);
+    differ("host threads:", std::to_string(run->hostThreads), std::to_string(session.hostThreads()));
   }
 }
 

@@ -171,8 +171,10 @@ class TracerParity : public ::testing::Test {
       }
       EXPECT_EQ(wrong, 0u) << what;
       EXPECT_EQ(wrongAny, 0u) << what;
-      // A driver's own test of triangles shares none of our rounding: on an H200 it decides 4 times as many axis-parallel rays otherwise.
-      const double undecidedHere = std::string(b.tracers[k]->id()) == "pipeline" ? 5 * mostUndecided : mostUndecided;
+      // A driver's own test of triangles shares none of our rounding: on an H200 it decides twice as many rays otherwise, and 5 times as many of those
+      // along the axes, which run in the planes of the Cornell box's walls.
+      const double allowance = std::string(b.tracers[k]->id()) != "pipeline" ? 1 : std::string(what) == "axis-parallel" ? 5 : 2;
+      const double undecidedHere = allowance * mostUndecided;
       EXPECT_LE(static_cast<double>(count.undecided), undecidedHere * static_cast<double>(rays.size())) << what;
       EXPECT_LE(static_cast<double>(count.coincident), mostCoincident * static_cast<double>(rays.size())) << what;
       printf("  %-4s %-28s %6zu rays, %5.1f %% hit, ties: %zu coincident, %zu undecided\n", b.tracers[k]->id(), what,
