@@ -69,8 +69,9 @@ class CompareTest : public QObject {
     choose(mode);
     QSignalSpy made(&compare(), &Compare::picturesChanged);
     publish({{"final", plain(a)}, {"reference", plain(b)}});
-    QVERIFY(QTest::qWaitFor([&] { return !compare().pictures().a.isNull() && compare().pictures().mode == mode; }));
-    QTest::qWait(30);
+    // The pictures of what was just published, not those of before: the last of them has come when no more follow.
+    QVERIFY(QTest::qWaitFor([&] { return made.count() > 0 && !compare().pictures().a.isNull() && compare().pictures().mode == mode; }));
+    for (qsizetype before = 0; before != made.count();) before = made.count(), QTest::qWait(30);
   }
   QColor seen(double x, double y) {
     const QImage shot = viewport().grab().toImage();
