@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include <memory>
+#include <cstring>
 #include <utility>
 
 #include "engine/core/byte_stream.h"

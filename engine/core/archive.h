@@ -1,5 +1,5 @@
 #pragma once
-// One file of named parts, each compressed (Zstandard) and checked: bundles, and the caches of imports and atlases.
+// One file of named parts, each compressed (Zstandard) and checked: bundles, and the cache of imports.
 #include <cstdint>
 #include <filesystem>
 #include <map>
