@@ -188,6 +188,11 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.technique.running = !s.workSettled();
   r.technique.label = work.label;
   r.technique.done = work.total ? static_cast<double>(work.done) / static_cast<double>(work.total) : 1.0;
+  const uint32_t settling = s.held || work.total ? 0 : s.technique->framesToSettle();
+  if (settling > 0) {
+    r.technique.done = std::min(1.0, static_cast<double>(s.frameSinceChange) / settling);
+    if (!s.techniqueSettled()) r.technique.label = fmt::format("frame {} of {}", s.frameSinceChange, settling);
+  }
   if (r.technique.running && s.workUnitsTimed)
     r.technique.secondsLeft = s.workMs / static_cast<double>(s.workUnitsTimed) * static_cast<double>(work.total - work.done) / 1000;
   if (s.full.tracer) {

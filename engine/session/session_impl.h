@@ -83,7 +83,6 @@ struct Session::Impl {
 
   // What changed since the last frame, and what the technique did not follow while the time ran.
   bool cameraMoved = false, lightsMoved = false, geometryMoved = false, measureAnew = false;
-  uint32_t frameSinceChange = 0;
   std::optional<Camera> previousCamera;  ///< none before the first frame of a scene
   double time = 0, previousTime = 0;
   ScenePose pose;               ///< the scene at rest
@@ -95,6 +94,7 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
+  uint32_t frameSinceChange = 0;  ///< since the last reset, or the last change that the technique follows without one
   double msSinceReset = 0, prepareMs = 0, settledMs = 0;
   uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;

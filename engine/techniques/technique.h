@@ -117,12 +117,12 @@ class Technique {
   /// camera or light. What an animation does to lights and geometry it is spared while the time runs: its cache belongs to the moment it was made in (the
   /// session says which), and is made anew, after geometry with `rebuild`, once the time stands still.
   virtual bool follows(Change) const { return false; }
-  /// Frames without a change from which on the picture counts as settled; 0 where only work() and nothing in frames converges. From parameters alone, so
-  /// that it is the same on every machine.
-  virtual uint32_t framesToSettle() const { return 0; }
   virtual WorkState work() const { return {}; }
   /// Records the next unit of work(), at most about 50 ms of it on a CPU device; called between frames while it has not settled.
   virtual void recordWork(FrameGraph&) {}
+  /// Frames since the last reset, or since the last change that was followed without one, from which on the picture counts as settled: for
+  /// techniques that converge over frames. A function of parameters and scene alone, never of time.
+  virtual uint32_t framesToSettle() const { return 0; }
   virtual IndirectLight record(FrameGraph&, const FrameInputs&) = 0;
   virtual std::vector<DebugView> debugViews() const { return {}; }
   virtual std::vector<MemoryItem> memory() const { return {}; }
