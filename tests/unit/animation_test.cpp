@@ -184,7 +184,7 @@ TEST_F(AnimationFiles, BadOnesAreRefused) {
   refused(R"("animations": [{"objects": ["door"], "keys": [{"time": 0, "scale": 0}]}])", {"keys[0].scale", "out of range"});
   refused(R"("animations": [{"objects": ["door"], "repeat": "forever", "keys": [{"time": 0}]}])", {"animations[0].repeat", "once, loop or ping_pong"});
   refused(R"("animations": [{"objects": ["door"], "keys": [{"time": 0, "angel_degrees": 5}]}])", {"keys[0]", "did you mean 'angle_degrees'"});
-  refused(R"("animations": [{"light": "lmap", "keys": [{"time": 0, "intensity_factor": 5}]}])", {"animations[0].light", "did you mean 'lamp'"});
+  refused(R"("animations": [{"light": "lampe", "keys": [{"time": 0, "intensity_factor": 5}]}])", {"animations[0].light", "did you mean 'lamp'"});
   refused(R"("animations": [{"light": "sun", "keys": [{"time": 0, "position": [0, 0, 0]}]}])", {"animations[0].keys", "has no position"});
   refused(R"("animations": [{"light": "sun", "keys": [{"time": 0}]}])", {"keys[0]", "is wanted"});
   refused(R"("camera_paths": [{"name": "a", "keys": [{"time": 0, "position": [0, 0, 0], "target": [0, 0, 0]}]}])", {"camera_paths[0].keys[0].target", "must differ"});
