@@ -39,5 +39,5 @@ void main() {
   if (kGuiding) weight = warpByGuide(id, surfels.guide_uniform, u);
   const vec3 position = records[kRecordTexels * id].xyz, normal = records[kRecordTexels * id + 1u].xyz;
   rays[ray] = Ray(position + normal * offset, 0.0, fromLocal(sampleCosineHemisphere(u), normal), kFar);
-  samples[ray] = RaySample(id, pack16(u), weight);
+  samples[ray] = RaySample(id, squareTo16(u), weight);
 }

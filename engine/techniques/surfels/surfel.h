@@ -109,8 +109,8 @@ HL_CONST uint kGuideSide = 6u;
 HL_CONST float kDepthRange = 2.0f;   ///< distances are remembered up to so many radii (the surfel's diameter)
 HL_CONST uint kRecentFrames = 4u;    ///< a surfel counts as in view for so long
 
-HL_INLINE uint pack16(vec2 u) { return min(uint(u.x * 65536.0f), 65535u) | (min(uint(u.y * 65536.0f), 65535u) << 16u); }
-HL_INLINE vec2 unpack16(uint p) { return vec2((float(p & 65535u) + 0.5f) / 65536.0f, (float(p >> 16u) + 0.5f) / 65536.0f); }
+HL_INLINE uint squareTo16(vec2 u) { return min(uint(u.x * 65536.0f), 65535u) | (min(uint(u.y * 65536.0f), 65535u) << 16u); }
+HL_INLINE vec2 squareOf16(uint p) { return vec2((float(p & 65535u) + 0.5f) / 65536.0f, (float(p >> 16u) + 0.5f) / 65536.0f); }
 
 /// The other way of sampleDisc: where in the unit square a point of the unit disc comes from.
 HL_INLINE vec2 squareOfDisc(vec2 d) {

@@ -76,7 +76,7 @@ void main() {
     if (arrival.w < 0.0) continue;
     sum += arrival.xyz;
     count += 1.0;
-    const vec2 square = unpack16(samples[ray].square);
+    const vec2 square = squareOf16(samples[ray].square);
     // Each texel's share of the rays so far decides how fast it learns.
     if (kDepthTest) {
       const uint texel = id * kDepthSide * kDepthSide + squareTexel(square, kDepthSide);
