@@ -27,6 +27,11 @@ Preset wantedPreset(const RenderOptions& o) {
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
+  if (!o.camera.empty()) preset.animation.cameraPath.clear();
+  if (o.play) preset.animation.play = true;
+  if (o.time) preset.animation.start = *o.time;
+  if (o.rate) preset.animation.rate = *o.rate;
+  if (!o.cameraPath.empty()) preset.animation.cameraPath = o.cameraPath;
   if (!o.view.empty()) preset.display.view = o.view;
   if (o.exposure) preset.display.exposure = *o.exposure;
   setParameters(preset, o.set);

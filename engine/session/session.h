@@ -80,6 +80,9 @@ struct FrameResult {
   uint64_t number = 0;               ///< frames since the session started
   uint32_t frame = 0;                ///< frames since the last reset
   int width = 0, height = 0;
+  double time = 0;                   ///< [s] of the scene's animations
+  bool playing = false;
+  Camera camera;                     ///< that it was seen with
   std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
   std::string displayHash;
   std::string view;
@@ -133,6 +136,9 @@ class Session {
   void setResolution(int width, int height);
   void setSeed(uint32_t);
   void setDisplay(const Display&);
+  /// Plays from `start`, or stands still there. @throws Error(BadInput) for a camera path that the scene has not, a time below 0, a rate that is not above 0
+  void setPlayback(const Playback&);
+  void setTime(double seconds);             ///< goes there; goes on from there where it plays
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
   /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.

@@ -82,7 +82,10 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   Impl& s = *impl_;
   Progress& p = progress ? *progress : *s.progress;
   checkStep(step);
-  const Lights lights(*s.scene);
+  Scene atRest;
+  s.pose.restLights(atRest);
+  atRest.sky = s.scene->sky;
+  const Lights lights(atRest);
   const struct Calm {  // slices of the reference would stretch the frames
     bool& wanted;
     const bool before = std::exchange(wanted, false);
