@@ -107,6 +107,7 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.radiusMax = params.radius_max * f.diagonal;
   f.frame = frame_;
   f.seed = in.seed;
+  f.lightChanged = in.lightsChanged ? 1 : 0;
   f.surfels = last_.highWater;
   f.maxSurfels = maxSurfels_;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);

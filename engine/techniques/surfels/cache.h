@@ -38,7 +38,7 @@ class SurfelCache {
   void harvest();
   void reserve(uint32_t rays, uint32_t candidates);
   shared::SurfelFrame frameOf(const FrameInputs&, const SurfelsParams&) const;
-  void recordClears(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&);
+  void recordClears(FrameGraph&, const shared::SurfelFrame&);
   void recordRays(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&);
   void recordUpdate(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&);
   void recordGather(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&, const GBuffer&, const GpuImage& result);

@@ -4,6 +4,8 @@
 #define HL_SURFELS_STATES
 #define HL_SURFELS_RECORDS
 #include "engine/techniques/surfels/cache.glsl"
+#define HL_SCENE_TRANSFORMS
+#include "shaders/scene.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -18,7 +20,12 @@ void main() {
   if (id >= frame.surfels) return;
   if (states[id].priority == 0u) return;
   const Surfel s = sites[id];
-  const vec3 position = s.position, normal = s.normal;
+  const ObjectTransform t = objectTransforms[s.object];
+  vec3 position = s.position, normal = s.normal;
+  if (t.movable != 0u) {
+    position = (t.restToWorld * vec4(position, 1.0)).xyz;
+    normal = normalize(transpose(mat3(t.worldToRest)) * normal);
+  }
   float radius = frame.radius;
   if (surfels.sizing == kSizingScreen)
     radius = clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);

@@ -49,12 +49,13 @@ void SurfelGrid::recordEmpty(FrameGraph& graph) {
 }
 
 void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared::SurfelFrame& frame, const SurfelsParams& params, const Buffer& sites,
-                        const Buffer& states, const Buffer& records, const Buffer& totals) {
+                        const Buffer& states, const Buffer& records, const Buffer& totals, const Buffer& transforms) {
   graph.compute("surfels: count cells", "surfels/count_cells.comp")
       .bind("sites", sites, Access::Read)
       .bind("states", states, Access::Read)
       .bind("records", records, Access::ReadWrite)
       .bind("cellCounts", counts_, Access::ReadWrite)
+      .bind("object_transforms", transforms, Access::Read)
       .uniform("frame", frame)
       .uniform("surfels", params)
       .dispatchThreads(frame.surfels);

@@ -29,7 +29,7 @@ class SurfelGrid {
   /// Each surfel's place in the world, and the sorted lists of cells. Passes "surfels: count cells", "surfels: cell offsets: ...", "surfels: scatter",
   /// "surfels: sort cells".
   void record(FrameGraph&, const PrefixSum&, const shared::SurfelFrame&, const SurfelsParams&, const Buffer& sites, const Buffer& states, const Buffer& records,
-              const Buffer& totals);
+              const Buffer& totals, const Buffer& transforms);
   /// Empty lists, before there is any surfel.
   void recordEmpty(FrameGraph&);
   const Buffer& offsets() const { return offsets_; }  ///< uint a cell and one more: where its list begins in entries()

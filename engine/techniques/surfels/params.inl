@@ -10,6 +10,11 @@ PARAM_ENUM_VALUE(kEstimatorMultiScale, 0, "multi_scale",
 PARAM_ENUM_VALUE(kEstimatorEma, 1, "ema", "Exponential average with a fixed hysteresis.")
 PARAM_ENUM_END(SurfelEstimator)
 
+PARAM_ENUM_BEGIN(SurfelGather)
+PARAM_ENUM_VALUE(kGatherPerPixel, 0, "per_pixel", "Every pixel reads the surfels of its cell (the thesis).")
+PARAM_ENUM_VALUE(kGatherHalfResolution, 1, "half_resolution", "Every fourth pixel does; the others take what lies on their own surface among the nearest four.")
+PARAM_ENUM_END(SurfelGather)
+
 PARAM_GROUP_BEGIN(surfels, SurfelsParams)
 
 PARAM_INT(max_surfels, 65536, 1024, 1048576, 1024, 262144, Log, Rebuild, "surfels", "Memory is set aside for so many. When all are taken, no more are placed, and that is counted.")
@@ -36,13 +41,17 @@ PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How muc
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Reset, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
-PARAM_FLOAT(window_growth, 4, 0, 64, 1, 16, Linear, Live, "times",
-            "The long mean takes so many n-ths of its n-th ray: 1 is the mean of all rays, which creeps where light feeds back; 0 leaves min_blend alone (the thesis).")
+PARAM_FLOAT(window_growth, 32, 0, 256, 1, 64, Linear, Live, "parts",
+            "The long mean reaches back over the latest of so many parts of a surfel's samples at first, so that early ones without all bounces are forgotten; 0: min_blend alone (the thesis).")
+PARAM_FLOAT(window_settle, 256, 1, 1e6, 16, 4096, Log, Live, "samples", "After so many samples the number of parts has halved; it falls to 2.")
 PARAM_FLOAT(min_blend, 0.00048828125, 1e-6, 1, 1e-4, 0.1, Log, Live, "share", "Least share of a new sample in the long mean (1/256 in the thesis).")
+PARAM_FLOAT(change_samples, 16, 0, 65536, 0, 256, Linear, Live, "samples",
+            "When lights are edited or animated, an estimate counts as no more samples than this, and so follows at once. 0: it has to find out by itself.")
 PARAM_FLOAT(firefly_limit, 0, 0, 64, 0, 16, Linear, Live, "deviations",
             "Cuts samples so many deviations above the short mean (8 in Barre-Brisebois et al. 2019), which makes the result darker; counted. 0: off.")
-PARAM_FLOAT(seed_rays, 4, 0, 256, 0, 32, Linear, Live, "rays", "So many rays the neighbours' light counts as in a new surfel. 0: it starts without.")
-PARAM_FLOAT(fade_in, 8, 0, 256, 0, 64, Linear, Live, "rays", "A surfel with so many rays has half its weight. 0: whole from its first ray on.")
+PARAM_FLOAT(seed_samples, 4, 0, 256, 0, 32, Linear, Live, "samples", "So many samples (frames with rays) the neighbours' light counts as in a new surfel. 0: it starts without.")
+PARAM_FLOAT(fade_in, 8, 0, 256, 0, 64, Linear, Live, "samples", "A surfel with so many samples has half its weight. 0: whole from the first on.")
+PARAM_ENUM(gather, SurfelGather, kGatherPerPixel, Live, "How pixels read surfels.")
 PARAM_BOOL(depth_test, true, Reset, "Surfels remember how far they see in 4x4 directions, and light no point that something hides from them (Chebyshev's inequality). Off in the thesis.")
 PARAM_FLOAT(depth_softness, 0.05, 1e-4, 1, 0.01, 0.5, Log, Live, "radii", "Least deviation of a remembered distance.")
 PARAM_BOOL(guiding, false, Reset, "Rays go where light came from: a 6x6 map a surfel, weights exact. Off in the thesis.")

@@ -7,9 +7,9 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   harvest();
   const shared::SurfelFrame f = frameOf(in, params);
   reserve(f.rays, f.candidates);
-  recordClears(graph, f, params);
+  recordClears(graph, f);
   if (f.surfels > 0)
-    grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_);
+    grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_, scene_.gpuScene.objectTransforms);
   else
     graph.skip("surfels: count cells", "there is no surfel yet");
   if (f.rays > 0)
@@ -32,7 +32,7 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   ++frame_;
 }
 
-void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
+void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f) {
   graph.compute("surfels: begin frame", "surfels/begin_frame.comp").bind("totals", totals_, Access::ReadWrite).uniform("frame", f).dispatch(1);
   graph.clear("surfels: clear claims", claims_, 0xffffffffu);
   if (f.frame == 0) {
@@ -40,7 +40,6 @@ void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f, 
     graph.clear("surfels: clear estimates", states_);
     grid_->recordEmpty(graph);
   }
-  (void)params;
 }
 
 ComputePass& SurfelCache::bindLookup(ComputePass& pass, const shared::SurfelFrame& f, const SurfelsParams& params) const {
@@ -117,12 +116,28 @@ void SurfelCache::recordUpdate(FrameGraph& graph, const shared::SurfelFrame& f, 
 }
 
 void SurfelCache::recordGather(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params, const GBuffer& g, const GpuImage& result) {
+  const bool halves = params.gather == kGatherHalfResolution;
+  const int width = halves ? (g.width + 1) / 2 : g.width, height = halves ? (g.height + 1) / 2 : g.height;
+  const GpuImage target = halves ? graph.transient("surfels.half", {width, height, Format::RGBA32F}) : result;
   ComputePass gather = graph.compute("surfels: gather", "surfels/gather.comp");
   bindLookup(gather, f, params)
       .bind("states", states_, Access::ReadWrite)
       .bind("totals", totals_, Access::ReadWrite)
       .bind("position", g.position, Access::Read)
       .bind("geometricNormal", g.geometricNormal, Access::Read)
+      .bind("result", target, Access::Write)
+      .specialize("kStep", halves ? 2 : 1)
+      .dispatchThreads(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+  if (!halves) {
+    graph.skip("surfels: upsample", "every pixel gathers");
+    return;
+  }
+  ComputePass upsample = graph.compute("surfels: upsample", "surfels/upsample.comp");
+  bindLookup(upsample, f, params)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("position", g.position, Access::Read)
+      .bind("geometricNormal", g.geometricNormal, Access::Read)
+      .bind("halved", target, Access::Read)
       .bind("result", result, Access::Write)
       .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
 }
@@ -155,6 +170,8 @@ void SurfelCache::recordPlace(FrameGraph& graph, const shared::SurfelFrame& f, c
       .bind("order", placeOrder_, Access::Read)
       .bind("freeIds", freeIds_, Access::Read)
       .bind("sites", sites_, Access::ReadWrite)
+      .bind("object_ids", scene_.gpuScene.objectIds, Access::Read)
+      .bind("object_transforms", scene_.gpuScene.objectTransforms, Access::Read)
       .bind("depthMoments", depth_, Access::ReadWrite)
       .bind("guideMaps", guide_, Access::ReadWrite)
       .uniform("frame", f)

@@ -44,6 +44,7 @@ std::vector<std::pair<std::string, double>> SurfelCache::counters() {
       {"cell_entries", last_.entries},
       {"largest_cell", last_.largestCell},
       {"cell_overflows", last_.counters[shared::kCountCellOverflows]},
+      {"upsample_misses", last_.counters[shared::kCountUpsampleMisses]},
       {"fireflies_cut", sum(shared::kCountFireflies)},
       {"surfel_nan", sum(shared::kCountNan)},
       {"surfel_inf", sum(shared::kCountInf)},

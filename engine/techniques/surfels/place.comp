@@ -7,6 +7,9 @@
 #define HL_SURFELS_CLAIMS
 #include "engine/techniques/surfels/cache.glsl"
 #include "engine/techniques/surfels/guide.glsl"
+#define HL_SCENE_OBJECTS
+#define HL_SCENE_TRANSFORMS
+#include "shaders/scene.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kDepthTest = false;
@@ -28,12 +31,18 @@ void main() {
     return;
   }
   const Candidate c = candidates[i];
-  sites[id] = Surfel(c.position, 0u, c.normal, frame.frame);
-  const bool seeded = c.seedWeight > 0.0 && surfels.seed_rays > 0.0 && !isNotFinite(c.seed);
+  const uint object = objectIds[c.triangle];
+  const ObjectTransform t = objectTransforms[object];
+  sites[id] = Surfel(c.position, object, c.normal, frame.frame);
+  if (t.movable != 0u) {
+    sites[id].position = (t.worldToRest * vec4(c.position, 1.0)).xyz;
+    sites[id].normal = normalize(transpose(mat3(t.restToWorld)) * c.normal);
+  }
+  const bool seeded = c.seedWeight > 0.0 && surfels.seed_samples > 0.0 && !isNotFinite(c.seed);
   SurfelState s = SurfelState(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, 0u, frame.frame, frame.frame, 1u);
   if (seeded) {
     s.mean = s.shortMean = c.seed;
-    s.samples = surfels.seed_rays;
+    s.samples = surfels.seed_samples;
   }
   s.priority = min(uint(kPriorityUnit * (1.0 + surfels.inconsistency_gain)), kMaxPriority);
   atomicAdd(totals.priority, s.priority);

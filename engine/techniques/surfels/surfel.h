@@ -19,7 +19,7 @@ struct Surfel {
 /// What a surfel has learnt.
 struct SurfelState {
   vec3 mean;             ///< irradiance [W/m^2]: what is shown
-  float samples;         ///< rays that it rests on; falls when the light changed
+  float samples;         ///< frames with rays that it rests on; fewer again when the light changed
   vec3 shortMean;
   float inconsistency;   ///< smoothed |mean - short mean| in deviations
   vec3 variance;         ///< of one frame's sample
@@ -63,7 +63,8 @@ HL_CONST uint kCountRecycled = 8u;
 HL_CONST uint kCountFireflies = 9u;
 HL_CONST uint kCountBlackHits = 10u;  ///< hits on what reflects nothing
 HL_CONST uint kCountHits = 11u;       ///< on what reflects
-HL_CONST uint kSurfelCounters = 12u;
+HL_CONST uint kCountUpsampleMisses = 12u;
+HL_CONST uint kSurfelCounters = 13u;
 
 /// What outlives a frame.
 struct SurfelTotals {
@@ -98,6 +99,7 @@ struct SurfelFrame {
   uint candidates;    ///< tiles, then rays
   float fill;         ///< alive surfels over max_surfels at the frame's start
   float diagonal;     ///< of the scene [m]
+  uint lightChanged;  ///< 1: lights are not what they were
 };
 
 HL_CONST uint kTilePixels = 16u;     ///< side of a placement tile

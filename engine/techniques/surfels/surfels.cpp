@@ -41,6 +41,8 @@ class Surfels final : public Technique {
   void reset() override {
     if (cache_) cache_->restart();
   }
+  /// Surfels lie on surfaces and go with them; light and shadow they find out by themselves.
+  bool follows(Change) const override { return true; }
   uint32_t framesToSettle() const override { return static_cast<uint32_t>(params_.settle_frames); }
 
   IndirectLight record(FrameGraph& graph, const FrameInputs& in) override {

@@ -22,10 +22,16 @@ const float kInconsistencyKnee = 0.2, kLeastSlope = 0.02;
 const float kLeastDeviation = 1e-3;   ///< as a share of the mean: below it rounding alone looks inconsistent
 const float kMostInconsistency = 16.0;
 const float kDepthBlend = 0.05, kGuideBlend = 0.05;  ///< least shares of a new sample in the maps
-const float kNewborn = 16.0;                         ///< rays up to which a surfel counts as inconsistent, as newly placed ones do in the thesis
+const float kNewborn = 16.0;                         ///< samples up to which a surfel counts as inconsistent, as newly placed ones do in the thesis
 
-/// The new mean. `samples` rays stood behind the old one; `rays` more brought `value` on average.
-void addSample(inout SurfelState s, vec3 value, float rays) {
+/// The long mean's window is the latest n-th part of a surfel's samples. Where light feeds back (x = d + rho x), what is missing after n samples falls as
+/// n^-(growth (1 - rho)): slowly if growth is small. Noise falls with growth small. So it starts large and shrinks.
+float windowGrowth(float samples) {
+  return surfels.window_growth > 0.0 ? max(min(surfels.window_growth, 2.0), surfels.window_growth / (1.0 + samples / surfels.window_settle)) : 0.0;
+}
+
+/// The new mean, with what one frame's rays brought on average.
+void addSample(inout SurfelState s, vec3 value) {
   const bool first = s.samples <= 0.0;
   if (surfels.firefly_limit > 0.0 && !first) {
     const vec3 limit = s.shortMean + surfels.firefly_limit * sqrt(s.variance) + kLeastDeviation * s.mean;
@@ -36,7 +42,7 @@ void addSample(inout SurfelState s, vec3 value, float rays) {
   }
   if (first) {
     s.mean = s.shortMean = value;
-    s.samples = rays;
+    s.samples = 1.0;
     return;
   }
   const vec3 toShort = value - s.shortMean;
@@ -47,17 +53,17 @@ void addSample(inout SurfelState s, vec3 value, float rays) {
   s.inconsistency = mix(s.inconsistency, difference, kInconsistencyBlend);
   float share;
   if (surfels.estimator == kEstimatorEma) {
-    share = max(1.0 - surfels.hysteresis, rays / (s.samples + rays));
-    s.samples += rays;
+    share = max(1.0 - surfels.hysteresis, 1.0 / (s.samples + 1.0));
+    s.samples += 1.0;
   } else {
     const float reduction = clamp(luminanceOf(0.5 * s.shortMean / deviation), kLeastReduction, 1.0);
     float catchUp = smoothstep(0.0, 1.0, difference * max(kLeastSlope, s.inconsistency - kInconsistencyKnee));
     catchUp = max(catchUp, surfels.min_blend) * s.blendReduction;
     s.blendReduction = mix(s.blendReduction, reduction, kReductionBlend);
-    const float grown = surfels.window_growth * rays;
-    share = clamp(max(catchUp, grown / (s.samples + grown)), 0.0, 1.0);
-    // What caught up forgets how many rays it rested on, and goes on from there.
-    s.samples = min(s.samples + rays, max(grown, rays) / share);
+    const float growth = windowGrowth(s.samples);
+    share = clamp(max(catchUp, growth / (s.samples + growth)), 0.0, 1.0);
+    // What caught up forgets how many samples it rested on, and goes on from there.
+    s.samples = min(s.samples + 1.0, max(growth, 1.0) / share);
   }
   s.mean += share * (value - s.mean);
 }
@@ -67,6 +73,7 @@ void main() {
   if (id >= frame.surfels) return;
   SurfelState s = states[id];
   if (s.priority == 0u) return;
+  if (frame.lightChanged != 0u && surfels.change_samples > 0.0) s.samples = min(s.samples, surfels.change_samples);
   const uint first = frame.rays > 0u ? firstRay(shareSums[id]) : 0u, end = frame.rays > 0u ? firstRay(shareSums[id + 1u]) : 0u;
   const float radius = records[kRecordTexels * id].w;
   vec3 sum = vec3(0.0);
@@ -93,7 +100,7 @@ void main() {
   s.rays += end - first;
   if (count > 0.0) {
     const SurfelState before = s;
-    addSample(s, kPi * sum / count, count);
+    addSample(s, kPi * sum / count);
     if (isNotFinite(s.mean) || isNotFinite(s.shortMean) || isNotFinite(s.variance)) {  // sums of finite rays may overflow
       countOne(kCountInf);
       s = before;
