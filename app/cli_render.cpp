@@ -39,7 +39,7 @@ Preset wantedPreset(const RenderOptions& o) {
   for (const std::string& target : o.errorTargets)
     if (target != "image" && target != "lightmap")
       throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
-  if (!o.step.empty() && !parseStep(o.step).ofLights()) {
+  if (!o.step.empty() && parseStep(o.step).ofParameter()) {
     Preset stepped = preset;
     setParameters(stepped, {o.step});
   }

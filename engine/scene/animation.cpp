@@ -168,6 +168,20 @@ Bounds boundsOfPoses(const Scene& scene) {
   return all;
 }
 
+void checkCameraPaths(const std::vector<CameraPath>& paths) {
+  std::set<std::string> names;
+  for (const CameraPath& p : paths) {
+    if (p.name.empty() || !names.insert(p.name).second) throw badInput(fmt::format("camera path '{}': a name of its own is wanted", p.name));
+    float last = -1;
+    for (const CameraKey& k : p.keys) {
+      if (!(k.time > last) || (last < 0 && k.time != 0))
+        throw badInput(fmt::format("camera path '{}': its keys' times must ascend from 0, and {} s comes after {} s", p.name, k.time, std::max(last, 0.0f)));
+      last = k.time;
+    }
+    if (p.keys.empty()) throw badInput(fmt::format("camera path '{}': it has no keys", p.name));
+  }
+}
+
 const CameraPath& cameraPath(const Scene& scene, const std::string& name) {
   std::vector<std::string> names;
   for (const CameraPath& p : scene.cameraPaths) {

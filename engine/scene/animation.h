@@ -27,6 +27,8 @@ bool animated(const Scene&);
 /// at its keys. Between these a box may reach further by what a turn of 1/64 of the animation adds.
 Bounds boundsOfPoses(const Scene& atRest);
 
+/// @throws Error(BadInput) for a path without a name of its own, without keys, or whose times do not ascend from 0.
+void checkCameraPaths(const std::vector<CameraPath>&);
 /// The scene's path of that name. @throws Error(BadInput) naming those there are.
 const CameraPath& cameraPath(const Scene&, const std::string& name);
 

@@ -186,6 +186,19 @@ class Reader {
     return JsonObject::asVec3(o.need(key), o.at(key), 0, kBrightest, true);
   }
 
+  /// About, and never too few.
+  static size_t trianglesOf(const Shape& s) {
+    const auto n = static_cast<size_t>(s.subdivisions);
+    switch (s.type) {
+      case ShapeType::Box: return 12 * n * n;
+      case ShapeType::UvSphere: return 4 * n * n;
+      case ShapeType::Icosphere: return 20 * n * n;
+      case ShapeType::Lathe: return 2 * n * s.profile.size();
+      case ShapeType::Arch: return 6 * n + 32;
+      default: return 2 * n * n;
+    }
+  }
+
   /// The shape, and its copies: `copies` has a number and a step each, and multiplies what those before it made.
   static void addShapes(SceneDescription& d, const Json& v, const std::string& place) {
     std::vector<std::pair<int, vec3>> copies;
@@ -194,6 +207,8 @@ class Reader {
       const size_t before = made.size();
       if (before * static_cast<size_t>(count) + d.shapes.size() > kMostShapes)
         throw badInput(place + ".copies", fmt::format("more than {} shapes in the scene", kMostShapes));
+      if (before * static_cast<size_t>(count) * trianglesOf(made[0]) > kMostShapeTriangles)
+        throw badInput(place + ".copies", fmt::format("they make more than {} triangles", kMostShapeTriangles));
       for (int i = 1; i < count; ++i)
         for (size_t k = 0; k < before; ++k) {
           Shape s = made[k];

@@ -36,11 +36,11 @@ struct Shape {
   int subdivisions = 1;  ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere; sectors of a lathe; segments of an arch's half circle
   std::vector<vec2> profile;  ///< lathe: (radius, height above `centre`) from below, turned about the vertical
   bool alongX = true;         ///< arch: the wall runs along x, and one goes through it along z; else the other way round
-  int folds = 0;              ///< cloth over `corners`: waves along its first edge, deepest at the second one's end
+  int folds = 0;              ///< cloth over `corners`: waves along its first edge, deepest there and shallow at the opposite one, which it hangs from
   float depth = 0, sag = 0;   ///< of the folds along the normal, and of the middle downwards [m]
 };
-/// What `copies` of a scene file may make of all shapes together.
-inline constexpr size_t kMostShapes = 20000;
+/// What `copies` of a scene file may make: shapes, and triangles of them, about.
+inline constexpr size_t kMostShapes = 20000, kMostShapeTriangles = size_t{1} << 23;
 inline constexpr const char* kBoxFaces[6] = {"-x", "+x", "-y", "+y", "-z", "+z"};
 
 /// Replaces what a mesh says of a material, or makes a new one that shapes use.

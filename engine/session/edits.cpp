@@ -53,15 +53,6 @@ const Camera* findCamera(const Scene& scene, const std::string& name) {
   return nullptr;
 }
 
-void checkCamera(const Scene& scene, const std::string& name) {
-  if (name.empty() || findCamera(scene, name)) return;
-  std::vector<std::string> names;
-  for (const Camera& c : scene.cameras) names.push_back(c.name);
-  const std::string guess = nearest(name, names);
-  throw badInput(fmt::format("camera '{}': the scene '{}' has no such camera{}", name, scene.name,
-                             guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
-}
-
 void applyLights(Scene& scene, const LightEdits& lights) {
   scene.pointLights = lights.points;
   scene.spotLights = lights.spots;
@@ -80,6 +71,15 @@ void checkView(const std::string& view, const Technique& technique) {
 
 }  // namespace
 
+void checkCamera(const Scene& scene, const std::string& name) {
+  if (name.empty() || findCamera(scene, name)) return;
+  std::vector<std::string> names;
+  for (const Camera& c : scene.cameras) names.push_back(c.name);
+  const std::string guess = nearest(name, names);
+  throw badInput(fmt::format("camera '{}': the scene '{}' has no such camera{}", name, scene.name,
+                             guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
+}
+
 Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {}
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -87,6 +87,8 @@ Session::~Session() {
   for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
 }
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
+
+void Session::Impl::summarise() { summary = summaryOf(*scene, pose); }
 
 void Session::Impl::collectParams() {
   params = ParamSet();
@@ -167,7 +169,7 @@ void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
   embreeStale = geometryMissed = lightsMissed = false;
   features = sceneFeatures(*scene);
   smoothNormals = hasSmoothNormals(*scene);
-  summary = summaryOf(*scene, pose);
+  summarise();
   directLight = std::make_unique<DirectLight>(device, shaders, gpuScene, *tracer);
   atlas.reset();
   cornerUvs = {};
@@ -323,7 +325,7 @@ void Session::Impl::lightsChanged() {
   features = sceneFeatures(*scene);
   pose.setLights(*scene);
   updateLights(device, gpuScene, *scene);
-  summary = summaryOf(*scene, pose);
+  summarise();
   referenceStale();
   directLight->reset();
   held = false;  // as after every edit of the light: what was cancelled is tried again
@@ -372,7 +374,7 @@ void Session::setRegions(const std::optional<std::vector<Region>>& regions) {
   if (regions) checkRegions(*regions);
   s.preset.regions = regions;
   s.scene->regions = regions ? *regions : s.sceneRegions;
-  s.summary = summaryOf(*s.scene, s.pose);
+  s.summarise();
   s.measuredSettled = false;
   s.lastMeasurementMs = -1e9;  // measured with the next frame
 }

@@ -96,6 +96,7 @@ void Session::Impl::prepare(Progress& p) {
     if (!geometryMissed) madeAt = time;
     directLight->reset();
     frameSinceReset = 0;
+    workMs = 0, workUnitsTimed = 0;
     workStopped = false;
   }
   if (resetWanted || measureAnew) {
@@ -103,7 +104,6 @@ void Session::Impl::prepare(Progress& p) {
     frameSinceChange = 0;
     msSinceReset = settledMs = 0;
     settledFrames = 0;
-    workMs = 0, workUnitsTimed = 0;
     convergence = std::make_shared<std::vector<ConvergencePoint>>();
     errors.clear();
     lastMeasurementMs = -1e9;

@@ -43,6 +43,15 @@ void Session::setPlayback(const Playback& playback) {
   s.measuredSettled = false;
 }
 
+void Session::setCameraPaths(const std::vector<CameraPath>& paths) {
+  Impl& s = *impl_;
+  checkCameraPaths(paths);
+  s.scene->cameraPaths = paths;
+  const std::string& held = s.preset.animation.cameraPath;
+  if (std::none_of(paths.begin(), paths.end(), [&](const CameraPath& p) { return p.name == held; })) s.preset.animation.cameraPath.clear();
+  s.summarise();
+}
+
 void Session::setTime(double seconds) {
   Playback there = impl_->preset.animation;
   there.start = static_cast<float>(seconds);
@@ -96,7 +105,7 @@ void Session::Impl::moveToMoment() {
     if (!technique->follows(Change::Geometry)) geometryMissed = true;
   }
   if (moved.geometry || moved.lights) measuredSettled = false;
-  if (techniqueStale || atlasStale) geometryMissed = false;
+  if (techniqueStale || (atlasStale && technique->needs().lightmap)) geometryMissed = false;  // it is about to be made anyway
   const bool still = !timeRuns() && !moved.geometry && !moved.lights;
   if (still && geometryMissed) atlasStale = techniqueStale = true, held = false;
   if (still && (geometryMissed || lightsMissed)) want(Effect::Reset);

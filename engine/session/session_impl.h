@@ -39,6 +39,8 @@ struct SurfaceImages {
 Mask maskOf(const Image& position);
 bool anySet(const Mask&);
 
+/// @throws Error(BadInput) naming the cameras there are, where the scene has none of that name ("" is its first).
+void checkCamera(const Scene&, const std::string& name);
 /// @throws Error(BadInput)
 void checkPlayback(const Scene&, const Playback&);
 
@@ -133,6 +135,7 @@ struct Session::Impl {
   void want(Effect);
   void changed(Change);
   void lightsChanged();
+  void summarise();
   void referenceStale();
   void cameraChanged();
   std::map<std::string, std::string> changedParams() const;
