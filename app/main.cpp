@@ -1,4 +1,4 @@
-// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT]
+// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT|EXPERIMENT|RESULTS]
 #include <QCommandLineParser>
 #include <QFileInfo>
 #include <clocale>
@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "ui/files.h"
 #include "ui/heartbeat.h"
 #include "ui/main_window.h"
 #include "ui/session_link.h"
@@ -31,7 +32,7 @@ Arguments parse(const QCoreApplication& app) {
   parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination."));
   parser.addHelpOption();
   parser.addVersionOption();
-  parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh or screenshot to open; a scene's name will do."), "[FILE]");
+  parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh, screenshot, experiment or folder of results to open; a scene's name will do."), "[FILE]");
   const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
   const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
   const QCommandLineOption measure("measure-ui",
@@ -71,8 +72,11 @@ int main(int argc, char** argv) {
 
   hl::ui::Settings settings;
   hl::ui::SessionLink link(options);
-  hl::ui::MainWindow window(link, settings, open);
+  // Experiments and folders of results are for the Sweep dock, over the default preset.
+  const bool forSweeps = !open.isEmpty() && hl::ui::kindOfFile(open.toStdString()) != hl::ui::FileKind::Other;
+  hl::ui::MainWindow window(link, settings, forSweeps ? QString() : open);
   window.show();
+  if (forSweeps) window.openPath(open);
   hl::ui::Heartbeat heartbeat;
   if (arguments.measure) heartbeat.start(), app.startMeasuring();
   const int code = QApplication::exec();
