@@ -36,19 +36,19 @@ class Notebook {
 };
 
 /// A Python string. JSON's are.
-std::string quoted(const std::string& s) {
+std::string pythonText(const std::string& s) {
   const QByteArray list = QJsonDocument(QJsonArray{text(s)}).toJson(QJsonDocument::Compact);
   return list.mid(1, list.size() - 2).toStdString();
 }
 
 std::string list(const std::vector<std::string>& values) {
   std::string out;
-  for (const std::string& v : values) out += fmt::format("{}{}", out.empty() ? "" : ", ", quoted(v));
+  for (const std::string& v : values) out += fmt::format("{}{}", out.empty() ? "" : ", ", pythonText(v));
   return fmt::format("[{}]", out);
 }
 
 /// Student's t without SciPy, for few seeds.
-constexpr const char* kStatistics = R"(T95 = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228]  # two-sided 95 %, by degrees of freedom from 1
+constexpr const char* kStatistics = R"py(T95 = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228]  # two-sided 95 %, by degrees of freedom from 1
 
 
 def half_width(values):
@@ -71,9 +71,9 @@ def label(rows):
     """What was varied, of a configuration's first row."""
     first = rows.iloc[0]
     return ", ".join([first["technique"]] + [f"{key.split('.')[-1]} {first[key]}" for key in AXES if pd.notna(first[key])])
-)";
+)py";
 
-constexpr const char* kSelect = R"(def select(table):
+constexpr const char* kSelect = R"py(def select(table):
     """Of indirect light over the whole picture, by the metric and against the reference chosen above."""
     return table[(table["problem"] == PROBLEM) & (table["reference"] == REFERENCE) & (table["metric"] == METRIC)
                  & (table["target"] == "image") & (table["component"] == "indirect") & table["roi"].isna()].copy()
@@ -91,9 +91,9 @@ points = pd.DataFrame(points).sort_values("cost")
 points["front"] = [not (((points["cost"] <= p.cost) & (points["error"] <= p.error)) & ((points["cost"] < p.cost) | (points["error"] < p.error))).any() for p in points.itertuples()]
 tracer = chosen[chosen["kind"] == "path_tracer"].groupby("frames").agg(cost=("total_ms", "median"), error=("value", "mean"))
 tracer["error"] = badness(METRIC, tracer["error"])
-points)";
+points)py";
 
-constexpr const char* kSpeed = R"(fig, ax = plt.subplots(figsize=(8, 5))
+constexpr const char* kSpeed = R"py(fig, ax = plt.subplots(figsize=(8, 5))
 for technique, rows in points.groupby("technique"):
     bars = ax.errorbar(rows["cost"], rows["error"], xerr=[rows["cost"] - rows["p5"], rows["p95"] - rows["cost"]], yerr=rows["half"].fillna(0), fmt="o", alpha=0.8, label=technique)
 front = points[points["front"]]
@@ -106,9 +106,9 @@ ax.set_xlabel(COST)
 ax.set_ylabel(f"{METRIC}, {REFERENCE} reference")
 ax.set_title(PROBLEM)
 ax.legend()
-plt.show())";
+plt.show())py";
 
-constexpr const char* kConvergence = R"(names = dict(zip(points["configuration"], points["label"]))
+constexpr const char* kConvergence = R"py(names = dict(zip(points["configuration"], points["label"]))
 history = convergence[(convergence["reference"] == REFERENCE) & (convergence["metric"] == METRIC) & convergence["configuration"].isin(list(names))].copy()
 history["error"] = badness(METRIC, history["value"])
 fig, axes = plt.subplots(1, 2, figsize=(12, 5), sharey=True)
@@ -122,9 +122,9 @@ for ax, over in zip(axes, ["ms", "frames"]):
 axes[0].set_ylabel(f"{METRIC}, {REFERENCE} reference")
 if len(names) <= 10:
     axes[0].legend(fontsize="small")
-plt.show())";
+plt.show())py";
 
-constexpr const char* kPasses = R"(for name in PASS_TABLES:
+constexpr const char* kPasses = R"py(for name in PASS_TABLES:
     passes = pd.read_csv(name)
     table = passes.pivot_table(index=["configuration", "label"], columns="pass", values="median_ms", sort=False).fillna(0)
     ax = table.plot.barh(stacked=True, figsize=(9, 1.5 + 0.35 * len(table)), colormap="tab20")
@@ -132,9 +132,9 @@ constexpr const char* kPasses = R"(for name in PASS_TABLES:
     ax.invert_yaxis()
     ax.set_xlabel(f"ms of a {'frame' if passes['during'].iloc[0] == 'frame' else 'unit of work'}")
     ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1, 1))
-    plt.show())";
+    plt.show())py";
 
-constexpr const char* kParallel = R"(columns = {}
+constexpr const char* kParallel = R"py(columns = {}
 for key in AXES:
     first = runs.groupby("configuration")[key].first().reindex(points["configuration"])
     values = pd.to_numeric(first, errors="coerce")
@@ -147,7 +147,7 @@ for line, on_front in zip(scaled.T, points["front"]):
     ax.plot(line, color="C0" if on_front else "lightgray", linewidth=2 if on_front else 1, zorder=2 if on_front else 1)
 ax.set_xticks(range(len(scaled)), [k for k, v in columns.items() if np.isfinite(v).any()])
 ax.set_yticks([0, 1], ["least", "most"])
-plt.show())";
+plt.show())py";
 
 std::vector<const ReportPlot*> startingWith(const Report& report, const std::vector<std::string>& names) {
   std::vector<const ReportPlot*> out;
@@ -175,11 +175,11 @@ std::string notebookJson(const SweepView& view, const Report& report) {
   }
   for (const ReportPlot* plot : startingWith(report, {"passes_"})) tables.push_back(plot->name + ".csv");
   std::string choices;
-  for (const std::string& problem : problems) choices += fmt::format("\n# PROBLEM = {}", quoted(problem));
+  for (const std::string& problem : problems) choices += fmt::format("\n# PROBLEM = {}", pythonText(problem));
   n.code(fmt::format("import matplotlib.pyplot as plt\nimport numpy as np\nimport pandas as pd\n\nresults = pd.read_csv(\"results.csv\")\nconvergence = pd.read_csv(\"convergence.csv\")\n\n"
                      "# What is drawn.\nPROBLEM = {}\nREFERENCE = {}  # of {}\nMETRIC = {}  # of {}\nCOST = \"total_ms\"  # or frame_ms, amortised_ms, technique_bytes\n"
                      "AMORTISE_FRAMES = {}\nAXES = {}\nPASS_TABLES = {}{}",
-                     quoted(problems.front()), quoted(r.experiment.references.front()), list(r.experiment.references), quoted(plottedMetrics(r).front()), list(plottedMetrics(r)),
+                     pythonText(problems.front()), pythonText(r.experiment.references.front()), list(r.experiment.references), pythonText(plottedMetrics(r).front()), list(plottedMetrics(r)),
                      r.experiment.amortiseFrames, list(axes), list(tables), problems.size() > 1 ? "\n# All of them:" + choices : ""));
   n.code(std::string(kStatistics));
   n.markdown("## Speed against error");

@@ -4,6 +4,7 @@
 #include <qcustomplot.h>
 
 #include <QComboBox>
+#include <QMenu>
 #include <QSignalSpy>
 #include <cmath>
 
@@ -26,7 +27,7 @@ constexpr QSize kSize(720, 460);
 QStringList legendOf(QCustomPlot& plot) {
   QStringList out;
   for (int i = 0; i < plot.legend->itemCount(); ++i)
-    if (const auto* item = qobject_cast<QCPPlottableLegendItem*>(plot.legend->item(i))) out << item->plottable()->name();
+    if (auto* item = qobject_cast<QCPPlottableLegendItem*>(plot.legend->item(i))) out << item->plottable()->name();
   return out;
 }
 
