@@ -1,4 +1,4 @@
-// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT|EXPERIMENT|RESULTS]
+// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT|EXPERIMENT|RESULTS], and halflight report DIR
 #include <QCommandLineParser>
 #include <QFileInfo>
 #include <clocale>
@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "app/report.h"
 #include "ui/files.h"
 #include "ui/heartbeat.h"
 #include "ui/main_window.h"
@@ -29,7 +30,8 @@ struct Arguments {
 
 Arguments parse(const QCoreApplication& app) {
   QCommandLineParser parser;
-  parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination."));
+  parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination.\n"
+                                                               "`halflight report DIR` makes plots of a folder of results (`halflight report --help`)."));
   parser.addHelpOption();
   parser.addVersionOption();
   parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh, screenshot, experiment or folder of results to open; a scene's name will do."), "[FILE]");
@@ -52,6 +54,7 @@ Arguments parse(const QCoreApplication& app) {
 int main(int argc, char** argv) {
   QCoreApplication::setApplicationName("halflight");
   QCoreApplication::setApplicationVersion(HALFLIGHT_VERSION);
+  if (argc > 1 && std::strcmp(argv[1], "report") == 0) return hl::report(argc, argv);
   if (wantsText(argc, argv)) {
     QCoreApplication text(argc, argv);
     parse(text);

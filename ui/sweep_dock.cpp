@@ -21,7 +21,7 @@ SweepPanel::SweepPanel(Document& document, EngineLink& link, Settings& settings,
   pages_->setAccessibleName(tr("Sweep"));
   editor_ = new SweepEditor(document, settings, pages_);
   queue_ = new SweepQueue(*runner_, pages_);
-  results_ = new SweepResultsPanel(palette, pages_);
+  results_ = new SweepResultsPanel(palette, settings, pages_);
   pages_->addTab(editor_, tr("&Experiment"));
   pages_->addTab(queue_, tr("&Queue"));
   pages_->addTab(results_, tr("&Results"));

@@ -1,17 +1,14 @@
 #include "ui/sweep_results.h"
 
-#include <QComboBox>
 #include <QFileDialog>
 #include <QHBoxLayout>
 #include <QHeaderView>
+#include <QItemSelectionModel>
 #include <QLabel>
 #include <QMetaObject>
-#include <QPointer>
 #include <QPushButton>
 #include <QResizeEvent>
-#include <QSignalBlocker>
 #include <QSplitter>
-#include <QTabWidget>
 #include <QTableView>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -19,8 +16,9 @@
 #include <utility>
 
 #include "engine/core/error.h"
-#include "engine/metrics/metrics.h"
 #include "ui/background.h"
+#include "ui/settings.h"
+#include "ui/sweep_plots.h"
 #include "ui/sweep_table.h"
 
 namespace hl::ui {
@@ -28,28 +26,31 @@ namespace {
 
 QString fromStd(const std::string& s) { return QString::fromStdString(s); }
 
-void select(QComboBox& box, const QVariant& data) {
-  const int at = box.findData(data);
-  if (at >= 0) box.setCurrentIndex(at);
-}
-
 }  // namespace
 
-SweepResultsPanel::SweepResultsPanel(PassPalette& palette, QWidget* parent) : QWidget(parent), palette_(palette) {
+SweepResultsPanel::SweepResultsPanel(PassPalette& palette, Settings& settings, QWidget* parent)
+    : QWidget(parent), about_(new QLabel(this)), halves_(new QSplitter(Qt::Horizontal, this)), model_(new SweepTableModel(this)), table_(new QTableView(halves_)),
+      plots_(new SweepPlots(palette, &settings, halves_)) {
   setObjectName(QStringLiteral("sweepResults"));
   worker_.setMaxThreadCount(1);
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(4, 4, 4, 4);
-  column->addWidget(makeChoices());
-  halves_ = new QSplitter(Qt::Horizontal, this);
+  auto* first = new QHBoxLayout;
+  auto* open = new QPushButton(tr("&Open results..."), this);
+  open->setObjectName(QStringLiteral("openResults"));
+  open->setToolTip(tr("A folder that a sweep or halflight-cli bench has written; or drop it on the window"));
+  about_->setTextFormat(Qt::PlainText);
+  about_->setAccessibleName(tr("About these results"));
+  about_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+  first->addWidget(open);
+  first->addWidget(about_, 1);
+  column->addLayout(first);
   halves_->setChildrenCollapsible(false);
-  model_ = new SweepTableModel(this);
-  table_ = new QTableView(halves_);
   table_->setObjectName(QStringLiteral("sweepTable"));
   table_->setAccessibleName(tr("Configurations with their cost and error"));
   table_->setModel(model_);
+  table_->horizontalHeader()->setSortIndicator(-1, Qt::AscendingOrder);
   table_->setSortingEnabled(true);
-  table_->sortByColumn(-1, Qt::AscendingOrder);
   table_->setSelectionBehavior(QAbstractItemView::SelectRows);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
   table_->setTabKeyNavigation(false);
@@ -59,58 +60,10 @@ SweepResultsPanel::SweepResultsPanel(PassPalette& palette, QWidget* parent) : QW
   table_->horizontalHeader()->setMinimumSectionSize(fontMetrics().horizontalAdvance(QLatin1Char('0')) * 4);
   table_->setMinimumSize(120, 60);
   halves_->addWidget(table_);
-  plots_ = new QTabWidget(halves_);
-  plots_->setObjectName(QStringLiteral("sweepPlots"));
-  plots_->setDocumentMode(true);
-  plots_->hide();
   halves_->addWidget(plots_);
+  halves_->setStretchFactor(0, 2);
+  halves_->setStretchFactor(1, 3);
   column->addWidget(halves_, 1);
-  connect(table_, &QTableView::clicked, this, [this](const QModelIndex& i) { load(model_->configurationAt(i.row())); });
-  connect(table_, &QTableView::activated, this, [this](const QModelIndex& i) {
-    if (i.isValid()) load(model_->configurationAt(i.row()));
-  });
-  show(nullptr);
-}
-
-SweepResultsPanel::~SweepResultsPanel() { worker_.waitForDone(); }
-
-QWidget* SweepResultsPanel::makeChoices() {
-  auto* box = new QWidget(this);
-  auto* column = new QVBoxLayout(box);
-  column->setContentsMargins(0, 0, 0, 0);
-  auto* first = new QHBoxLayout;
-  auto* open = new QPushButton(tr("&Open results..."), box);
-  open->setObjectName(QStringLiteral("openResults"));
-  open->setToolTip(tr("A folder that a sweep or halflight-cli bench has written; or drop it on the window"));
-  about_ = new QLabel(box);
-  about_->setTextFormat(Qt::PlainText);
-  about_->setAccessibleName(tr("About these results"));
-  about_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-  first->addWidget(open);
-  first->addWidget(about_, 1);
-  column->addLayout(first);
-  auto* second = new QHBoxLayout;
-  const auto chooser = [&](const QString& name, const QString& id, const QString& tip) {
-    auto* label = new QLabel(name, box);
-    auto* c = new QComboBox(box);
-    c->setObjectName(id);
-    c->setAccessibleName(QString(name).remove('&'));
-    c->setToolTip(tip);
-    c->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-    c->setMinimumContentsLength(8);
-    label->setBuddy(c);
-    second->addWidget(label);
-    second->addWidget(c, 1);
-    connect(c, &QComboBox::activated, this, &SweepResultsPanel::takeChoice);
-    return c;
-  };
-  cost_ = chooser(tr("&Cost"), QStringLiteral("sweepCost"), tr("What stands against the error"));
-  const std::pair<QString, FrontAxis> costs[] = {{tr("Total time"), FrontAxis::Total}, {tr("Frame"), FrontAxis::Frame}, {tr("Frame and its share of the bake"), FrontAxis::Amortised}, {tr("Memory"), FrontAxis::Memory}};
-  for (const auto& [name, axis] : costs) cost_->addItem(name, static_cast<int>(axis));
-  metric_ = chooser(tr("&Metric"), QStringLiteral("sweepMetric"), tr("Of indirect light, over the whole picture"));
-  reference_ = chooser(tr("Re&ference"), QStringLiteral("sweepReference"), tr("matched: along the light paths that the technique models; full: along all"));
-  problem_ = chooser(tr("&Problem"), QStringLiteral("sweepProblem"), tr("Configurations whose errors can be compared: the same scene, camera, resolution and reference"));
-  column->addLayout(second);
   connect(open, &QPushButton::clicked, this, [this] {
     auto* dialog = new QFileDialog(this, tr("Open results"), sweep_ ? fromStd(sweep_->results.folder.parent_path().string()) : QString());
     dialog->setAttribute(Qt::WA_DeleteOnClose);
@@ -119,8 +72,22 @@ QWidget* SweepResultsPanel::makeChoices() {
     connect(dialog, &QFileDialog::fileSelected, this, &SweepResultsPanel::openFolder);
     dialog->open();
   });
-  return box;
+  connect(table_, &QTableView::clicked, this, [this](const QModelIndex& i) { load(model_->configurationAt(i.row())); });
+  connect(table_, &QTableView::activated, this, [this](const QModelIndex& i) {
+    if (i.isValid()) load(model_->configurationAt(i.row()));
+  });
+  connect(table_->selectionModel(), &QItemSelectionModel::currentRowChanged, this, [this](const QModelIndex& i) {
+    if (i.isValid()) plots_->select(model_->configurationAt(i.row()));
+  });
+  connect(plots_, &SweepPlots::chosen, this, [this](size_t configuration) {
+    if (const int row = model_->rowOf(configuration); row >= 0) table_->setCurrentIndex(model_->index(row, 0));
+    load(configuration);
+  });
+  connect(plots_, &SweepPlots::choiceChanged, this, &SweepResultsPanel::work);
+  show(nullptr);
 }
+
+SweepResultsPanel::~SweepResultsPanel() { worker_.waitForDone(); }
 
 void SweepResultsPanel::openFolder(const QString& folder) {
   worker_.start([this, folder] {
@@ -158,7 +125,7 @@ void SweepResultsPanel::dropElsewhere(SharedSweep sweep) {
 }
 
 void SweepResultsPanel::show(const SharedSweep& sweep) {
-  dropElsewhere(std::exchange(sweep_, sweep));
+  SharedSweep before = std::exchange(sweep_, sweep);
   if (sweep_) {
     const SweepResults& r = sweep_->results;
     QString text = tr("%1: %2 of %n runs", nullptr, static_cast<int>(r.plan.size())).arg(fromStd(r.folder.string())).arg(r.done());
@@ -169,42 +136,8 @@ void SweepResultsPanel::show(const SharedSweep& sweep) {
   } else {
     about_->setText(tr("No results yet: start an experiment, or open a folder"));
   }
-  fillChoices();
-  work();
-}
-
-void SweepResultsPanel::fillChoices() {
-  const QSignalBlocker blocks[] = {QSignalBlocker(problem_), QSignalBlocker(reference_), QSignalBlocker(metric_), QSignalBlocker(cost_)};
-  for (QComboBox* c : {problem_, reference_, metric_, cost_}) c->setEnabled(sweep_ != nullptr);
-  for (QComboBox* c : {problem_, reference_, metric_}) c->clear();
-  if (!sweep_) return;
-  const SweepResults& r = sweep_->results;
-  for (size_t i = 0; i < r.problems.size(); ++i) problem_->addItem(fromStd(r.problems[i].label), static_cast<qulonglong>(i));
-  for (const std::string& reference : r.experiment.references) reference_->addItem(fromStd(reference), fromStd(reference));
-  for (const std::string& metric : plottedMetrics(r)) metric_->addItem(fromStd(metric), fromStd(metric));
-  for (int i = 0; i < metric_->count(); ++i)
-    for (const MetricInfo& m : metricInfos())
-      if (metric_->itemData(i).toString().toStdString() == m.id) metric_->setItemData(i, QString::fromUtf8(m.formula.data(), static_cast<qsizetype>(m.formula.size())), Qt::ToolTipRole);
-  select(*problem_, static_cast<qulonglong>(choice_.problem));
-  select(*reference_, fromStd(choice_.reference));
-  select(*metric_, fromStd(choice_.metric));
-  select(*cost_, static_cast<int>(choice_.cost));
-  choice_.problem = problem_->count() ? problem_->currentData().toULongLong() : 0;
-  choice_.reference = reference_->currentData().toString().toStdString();
-  choice_.metric = metric_->currentData().toString().toStdString();
-}
-
-void SweepResultsPanel::takeChoice() {
-  choice_.problem = problem_->currentData().toULongLong();
-  choice_.reference = reference_->currentData().toString().toStdString();
-  choice_.metric = metric_->currentData().toString().toStdString();
-  choice_.cost = static_cast<FrontAxis>(cost_->currentData().toInt());
-  work();
-}
-
-void SweepResultsPanel::choose(const PlotChoice& choice) {
-  choice_ = choice;
-  fillChoices();
+  plots_->setView(sweep_);
+  dropElsewhere(std::move(before));
   work();
 }
 
@@ -214,7 +147,7 @@ void SweepResultsPanel::work() {
     showRows({}, number);
     return;
   }
-  worker_.start([this, sweep = sweep_, choice = choice_, number]() mutable {
+  worker_.start([this, sweep = sweep_, choice = plots_->choice(), number]() mutable {
     giveWay();
     auto rows = std::make_shared<SweepRows>(sweepRows(*sweep, choice));
     sweep.reset();  // here, where it may take its time
@@ -239,7 +172,6 @@ void SweepResultsPanel::showRows(SweepRows rows, quint64 number) {
       table_->setColumnWidth(c, std::max(widest * em, fontMetrics().horizontalAdvance(title) + 4 * em));
     }
   }
-  for (SweepPlot* plot : allPlots_) Q_UNUSED(plot);
 }
 
 void SweepResultsPanel::load(size_t configuration) {

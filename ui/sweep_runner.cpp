@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kShowInterval = 100ms;   // ten times a second at most
 constexpr int kShowShare = 20;          // and a twentieth of the time at most
-constexpr int kPaintMs = 20;            // after results were handed over: for what they make the window paint
+constexpr int kPaintMs = 150;           // after results were handed over: plots are drawn a tenth of a second later
 constexpr auto kLongestTurn = 500ms;    // a window that is slower than this is not waited for
 constexpr auto kCancelPoll = 20ms;
 

@@ -30,6 +30,8 @@
 #include "ui/sweep_axis_row.h"
 #include "ui/sweep_dock.h"
 #include "ui/sweep_editor.h"
+#include "ui/speed_error_plot.h"
+#include "ui/sweep_plots.h"
 #include "ui/sweep_queue.h"
 #include "ui/sweep_results.h"
 #include "ui/sweep_table.h"
@@ -346,8 +348,17 @@ class SweepDockTest : public QObject {
       QCOMPARE(presetHash(window_->document().preset()), hash);
       QVERIFY(QTest::qWaitFor([&] { return presetHash(link_->latest()->preset) == hash; }, kLongest));
     }
-    QCOMPARE(window_->document().undoStack().count(), steps + 4);
-    for (int i = 0; i < 4; ++i) window_->document().undoStack().undo();
+    // And by a click on its point.
+    SweepPlot& plot = results().plots().speedError();
+    plot.drawNow();
+    QVERIFY(!plot.marks().empty());
+    const PlotMark mark = plot.marks().front();
+    emit plot.chosen(mark.configuration);
+    QCOMPARE(table.currentIndex().row(), results().model().rowOf(mark.configuration));
+    const auto chosen = std::find_if(r.plan.begin(), r.plan.end(), [&](const PlannedRun& p) { return p.configuration == mark.configuration; });
+    QCOMPARE(presetHash(window_->document().preset()), r.runs[static_cast<size_t>(chosen - r.plan.begin())]->provenance.presetHash);
+    QCOMPARE(window_->document().undoStack().count(), steps + 5);
+    for (int i = 0; i < 5; ++i) window_->document().undoStack().undo();
     QCOMPARE(presetJson(window_->document().preset()), before);
   }
 
@@ -366,9 +377,9 @@ class SweepDockTest : public QObject {
       QVERIFY(row.error > 0 && row.cost > 0 && row.halfWidth > 0);
     }
     QVERIFY(front);
-    PlotChoice choice = results().choice();
+    PlotChoice choice = results().plots().choice();
     choice.metric = "bias", choice.reference = "full", choice.cost = FrontAxis::Memory;
-    results().choose(choice);
+    results().plots().choose(choice);
     QTRY_COMPARE(model.rows().choice.metric, std::string("bias"));
     QVERIFY(model.headerData(cost, Qt::Horizontal, Qt::DisplayRole).toString().contains("MB"));
   }
