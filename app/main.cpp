@@ -1,4 +1,4 @@
-// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT]
+// The workbench: halflight [PRESET|SCENE|MESH|SCREENSHOT|EXPERIMENT|RESULTS], and halflight report DIR
 #include <QCommandLineParser>
 #include <QFileInfo>
 #include <clocale>
@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "app/report.h"
+#include "ui/files.h"
 #include "ui/heartbeat.h"
 #include "ui/main_window.h"
 #include "ui/session_link.h"
@@ -28,10 +30,11 @@ struct Arguments {
 
 Arguments parse(const QCoreApplication& app) {
   QCommandLineParser parser;
-  parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination."));
+  parser.setApplicationDescription(QCoreApplication::translate("main", "Workbench for research on real-time global illumination.\n"
+                                                               "`halflight report DIR` makes plots of a folder of results (`halflight report --help`)."));
   parser.addHelpOption();
   parser.addVersionOption();
-  parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh or screenshot to open; a scene's name will do."), "[FILE]");
+  parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh, screenshot, experiment or folder of results to open; a scene's name will do."), "[FILE]");
   const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
   const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
   const QCommandLineOption measure("measure-ui",
@@ -51,6 +54,7 @@ Arguments parse(const QCoreApplication& app) {
 int main(int argc, char** argv) {
   QCoreApplication::setApplicationName("halflight");
   QCoreApplication::setApplicationVersion(HALFLIGHT_VERSION);
+  if (argc > 1 && std::strcmp(argv[1], "report") == 0) return hl::report(argc, argv);
   if (wantsText(argc, argv)) {
     QCoreApplication text(argc, argv);
     parse(text);
@@ -71,8 +75,11 @@ int main(int argc, char** argv) {
 
   hl::ui::Settings settings;
   hl::ui::SessionLink link(options);
-  hl::ui::MainWindow window(link, settings, open);
+  // Experiments and folders of results are for the Sweep dock, over the default preset.
+  const bool forSweeps = !open.isEmpty() && hl::ui::kindOfFile(open.toStdString()) != hl::ui::FileKind::Other;
+  hl::ui::MainWindow window(link, settings, forSweeps ? QString() : open);
   window.show();
+  if (forSweeps) window.openPath(open);
   hl::ui::Heartbeat heartbeat;
   if (arguments.measure) heartbeat.start(), app.startMeasuring();
   const int code = QApplication::exec();

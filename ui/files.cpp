@@ -12,6 +12,18 @@
 
 namespace hl::ui {
 
+FileKind kindOfFile(const std::filesystem::path& path) {
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) return std::filesystem::exists(path / "experiment.json", none) ? FileKind::Results : FileKind::Other;
+  if (path.extension() != ".json" || !std::filesystem::is_regular_file(path, none)) return FileKind::Other;
+  try {
+    const QJsonObject o = QJsonDocument::fromJson(QByteArray::fromStdString(readFile(path))).object();
+    return o.contains("base") && !o.contains("scene") ? FileKind::Experiment : FileKind::Other;
+  } catch (const Error&) {
+    return FileKind::Other;  // whoever opens it says why it cannot be read
+  }
+}
+
 std::string provenanceJson(const FrameResult& f) {
   const Provenance& p = f.provenance;
   const auto text = [](const std::string& s) { return QString::fromStdString(s); };
