@@ -22,6 +22,8 @@
 
 namespace hl {
 
+class Presenter;
+
 struct SessionOptions {
   DeviceOptions device;
   std::string tracer = "auto";
@@ -80,8 +82,8 @@ struct FrameResult {
   uint64_t number = 0;               ///< frames since the session started
   uint32_t frame = 0;                ///< frames since the last reset
   int width = 0, height = 0;
-  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
-  std::string displayHash;
+  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped; empty while a Presenter shows it and nobody wants "display"
+  std::string displayHash;             ///< "" without it
   std::string view;
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
@@ -135,7 +137,8 @@ class Session {
   void setDisplay(const Display&);
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
-  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
+  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. "display" is FrameResult::display. Not
+  /// part of the preset.
   void setImagesWanted(const std::vector<std::string>& names);
   void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
   void setWorkPaused(bool);
@@ -187,6 +190,8 @@ class Session {
   /// @throws Error(BadInput) as checkStep.
   StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
+  /// Shows pictures in a window, where the device was opened for that (DeviceOptions::presentation); it may outlive the session, and then does nothing.
+  std::shared_ptr<Presenter> presenter() const;
 
  private:
   struct Impl;
