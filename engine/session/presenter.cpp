@@ -40,7 +40,8 @@ struct Presenter::Impl {
   uint64_t surface = 0, inUse = 0;  ///< wanted; that of the thread's swapchain
   std::function<void(const std::string&)> answer;
   PresentView view;
-  bool stop = false, ended = false, visible = true, redraw = false, taking = false;
+  bool stop = false, ended = false, visible = true, redraw = false;
+  bool busy = false, taking = false;  ///< the thread is at work; at a picture
   GpuImage offered;  ///< the session's, while it waits
   PresentReport report;
 
@@ -181,7 +182,7 @@ void Presenter::Impl::run() {
         wake.wait(lock, due);
       if (stop) break;
       asked = {surface, std::exchange(offered, {}), view, visible};
-      taking = static_cast<bool>(asked.picture);
+      busy = true, taking = static_cast<bool>(asked.picture);
       redraw = false;
     }
     try {
@@ -198,7 +199,7 @@ void Presenter::Impl::run() {
     }
     {
       const std::lock_guard lock(mutex);
-      taking = false;
+      busy = taking = false;
     }
     changed.notify_all();
   }
@@ -243,7 +244,7 @@ void Presenter::detach() {
   impl_->answer = {};
   if (!impl_->thread.joinable()) return;
   impl_->wake.notify_all();
-  impl_->changed.wait(lock, [this] { return impl_->ended || impl_->inUse == 0; });
+  impl_->changed.wait(lock, [this] { return impl_->ended || (impl_->inUse == 0 && !impl_->busy); });
 }
 
 void Presenter::setView(const PresentView& view) {

@@ -55,7 +55,7 @@ class Presenter {
   /// From now on pictures are taken from the session, and drawn into `surface` (a VkSurfaceKHR). `answer` is called on the presenter's thread, with ""
   /// when the window is first drawn, and with the reason when it cannot be shown to or no longer can: nothing is shown after that.
   void attach(uint64_t surface, std::function<void(const std::string& why)> answer);
-  /// Waits until nothing uses the surface: at most what is being drawn at the moment, or the unit of work that the device is at. Then it may go.
+  /// Waits until nothing uses the surface, and nobody is in `answer`: at most what is being drawn at the moment, or the unit of work that the device is at. Then it may go.
   void detach();
   void setView(const PresentView&);
   /// A hidden window is not drawn; pictures are still taken, so that it has the newest when it comes back.
