@@ -125,6 +125,7 @@ Image Session::image(const std::string& view) {
 
 /// To the host, to the window, or both.
 void Session::Impl::publishPicture(FrameResult& r) {
+  const double start = nowMs();
   const bool onDevice = presenter && presenter->attached();
   const bool wanted = !onDevice || std::find(imagesWanted.begin(), imagesWanted.end(), "display") != imagesWanted.end();
   const size_t bytes = static_cast<size_t>(r.width) * static_cast<size_t>(r.height) * 4;
@@ -136,6 +137,7 @@ void Session::Impl::publishPicture(FrameResult& r) {
   }
   if (!r.display.empty()) r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   if (onDevice) presenter->publish(displayImage);
+  r.publishMs = nowMs() - start;
 }
 
 /// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.

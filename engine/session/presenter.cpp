@@ -15,7 +15,6 @@
 namespace hl {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 // A window that gives no image in that time is left as it is, and tried again later: the session must go on.
 constexpr int kAcquireMs = 50;
 constexpr std::chrono::milliseconds kTryAgain{20};
@@ -276,13 +275,11 @@ bool Presenter::attached() const {
 }
 
 void Presenter::publish(const GpuImage& picture) {
-  const auto start = Clock::now();
   std::unique_lock lock(impl_->mutex);
   if (!impl_->thread.joinable() || impl_->ended || impl_->stop || impl_->surface == 0) return;
   impl_->offered = picture;
   impl_->wake.notify_all();
   impl_->changed.wait(lock, [this] { return impl_->ended || (!impl_->offered && !impl_->taking); });
-  impl_->report.pictureMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 void Presenter::end() {

@@ -33,7 +33,6 @@ struct PresentReport {
   uint64_t presented = 0;   ///< times the window was drawn
   uint64_t pictures = 0;    ///< ... of which with a picture of the session's for the first time
   uint64_t swapchains = 0;  ///< made, for new sizes or new windows
-  double pictureMs = 0;     ///< from the session's handing a picture over to its going on, the last time
   int width = 0, height = 0;  ///< of the window, when it was drawn last
 };
 

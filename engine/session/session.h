@@ -85,6 +85,7 @@ struct FrameResult {
   std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped; empty while a Presenter shows it and nobody wants "display"
   std::string displayHash;             ///< "" without it
   std::string view;
+  double publishMs = 0;              ///< that bringing the picture to the host, to a window or to both took; no part of the frame's time
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
   double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
