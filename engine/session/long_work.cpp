@@ -92,7 +92,7 @@ void Session::Impl::prepare(Progress& p) {
     resetWanted = false;
     if (!held && !techniqueStale) technique->reset();
     directLight->reset();
-    frameSinceReset = 0;
+    frameSinceReset = frameSinceChange = 0;
     msSinceReset = settledMs = 0;
     settledFrames = 0;
     workMs = 0, workUnitsTimed = 0;
@@ -110,6 +110,12 @@ void Session::Impl::prepare(Progress& p) {
 
 bool Session::Impl::workSettled() const {
   return held || techniqueStale || workStopped || !features.surfaces || !features.anyLight() || technique->work().settled();
+}
+
+bool Session::Impl::techniqueSettled() const {
+  if (!workSettled()) return false;
+  const bool shown = !held && !techniqueStale && features.surfaces && features.anyLight();
+  return !shown || frameSinceChange >= technique->framesToSettle();
 }
 
 void Session::Impl::runWork(double budgetMs, Progress& p) {

@@ -81,6 +81,7 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
+  uint32_t frameSinceChange = 0;  ///< since the last reset, or the last change that the technique follows without one
   double msSinceReset = 0, prepareMs = 0, settledMs = 0;
   uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
@@ -130,6 +131,7 @@ struct Session::Impl {
   void runWork(double budgetMs, Progress&);
   void runReference(double budgetMs, Progress&);
   bool workSettled() const;
+  bool techniqueSettled() const;  ///< work and, where it converges over frames, those
   bool referencesStarted() const;
   bool referencesSettled() const;
   void startReferences();
