@@ -51,9 +51,11 @@ QRectF seen(const ShownComparison& c, const PictureView& view, const QRectF& wid
 
 }  // namespace
 
+bool smoothAt(double scale) { return scale < 3 && scale != 1; }
+
 void paintPicture(QPainter& painter, const QImage& image, const QRectF& where) {
   const double scale = where.width() * painter.device()->devicePixelRatioF() / std::max(1, image.width());
-  painter.setRenderHint(QPainter::SmoothPixmapTransform, scale < 3 && scale != 1);
+  painter.setRenderHint(QPainter::SmoothPixmapTransform, smoothAt(scale));
   painter.drawImage(where, image);
 }
 

@@ -110,6 +110,16 @@ void MainWindow::buildStatusBar() {
 void MainWindow::connectEngine() {
   connect(&link_, &EngineLink::frameReady, this, &MainWindow::onFrame);
   connect(&link_, &EngineLink::failed, this, &MainWindow::onFailed);
+  connect(&link_, &EngineLink::presenterReady, this, [this](const std::shared_ptr<Presenter>& presenter) {
+    presenter_ = presenter;
+    choosePresenter();
+  });
+  connect(viewport_, &Viewport::presenterFailed, this, [this](const QString& why) {
+    viewport_->usePresenter(nullptr);
+    presenterText_ = tr("read-back: %1").arg(why);
+    logWarning("Viewport: " + presenterText_.toStdString());
+    link_.renderOnce();
+  });
   connect(&link_, &EngineLink::saved, this, [this](const QString& path, const QString&) {
     statusBar()->showMessage(tr("Saved %1").arg(path), 5000);
     if (closeAfterSave_ && !document_.modified()) close();
@@ -196,6 +206,7 @@ void MainWindow::listFiles() {
 void MainWindow::onFrame() {
   frame_ = link_.latest();
   if (!frame_) return;
+  if (presenterText_.isEmpty()) choosePresenter();
   viewport_->setWaiting({});
   viewport_->showFrame(frame_);
   profiler_->showFrame(frame_);
@@ -266,6 +277,10 @@ void MainWindow::onFailed(const QString& message, ErrorKind kind) {
     return;
   }
   logError(message.toStdString());
+  if (kind == ErrorKind::Device && presenter_) {
+    viewport_->usePresenter(nullptr);  // its device is gone; what is to be said is painted
+    presenter_.reset();
+  }
   showError(message, kind == ErrorKind::Device);
   restart_->setVisible(kind == ErrorKind::Device);
 }

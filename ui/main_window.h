@@ -12,9 +12,12 @@
 #include "ui/image_feed.h"
 #include "ui/palette.h"
 #include "ui/pass_table.h"
+#include "ui/presenter_choice.h"
 
+class QActionGroup;
 class QDockWidget;
 class QLabel;
+class QMenu;
 class QProgressBar;
 class QToolButton;
 
@@ -48,6 +51,10 @@ class MainWindow : public QMainWindow {
   SweepPanel& sweepPanel() { return *sweep_; }
   QList<QDockWidget*> docks() const { return docks_; }
   QString noticeText() const { return error_; }
+  /// For this run; what the menu was left at is kept in the settings.
+  void setPresenterWish(PresenterWish);
+  /// How the picture comes to the screen, and why so.
+  QString presenterText() const { return presenterText_; }
 
  public slots:
   /// "tune", "compare" or "profile", as it was left; the present one is kept.
@@ -99,6 +106,8 @@ class MainWindow : public QMainWindow {
   void showPaused();
   void giveViewportCamera();
   void restartEngine();
+  void choosePresenter();
+  void buildPresenterMenu(QMenu&);
 
   EngineLink& link_;
   Settings& settings_;
@@ -129,6 +138,10 @@ class MainWindow : public QMainWindow {
   QAction* pause_ = nullptr;
   QAction* regionTool_ = nullptr;
   QAction* showRegions_ = nullptr;
+  QActionGroup* presenterActions_ = nullptr;
+  PresenterWish presenterWish_ = PresenterWish::Auto;
+  std::shared_ptr<Presenter> presenter_;  ///< the engine's, or null
+  QString presenterText_;
 
   QLabel* status_ = nullptr;
   QProgressBar* loading_ = nullptr;

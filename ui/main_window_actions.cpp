@@ -4,6 +4,7 @@
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
+#include <QGuiApplication>
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
@@ -22,6 +23,7 @@
 #include "ui/preset_actions.h"
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
+#include "ui/settings.h"
 #include "ui/shortcuts_dialog.h"
 #include "ui/sweep_dock.h"
 #include "ui/technique_dock.h"
@@ -33,6 +35,7 @@ namespace {
 
 constexpr double kHalfStop = 0.5;
 constexpr double kExposureLimit = 20;
+const QString kPresenterKey = QStringLiteral("viewport/presenter");
 
 }  // namespace
 
@@ -93,6 +96,7 @@ void MainWindow::buildMenus() {
   }
   layouts->addSeparator();
   layouts->addAction(tr("&Reset layout"), this, &MainWindow::resetLayout);
+  buildPresenterMenu(*view);
   view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
 
   buildCompareMenu();
@@ -114,12 +118,45 @@ void MainWindow::buildMenus() {
   help->addAction(tr("&About"), this, [this] {
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("About Halflight"),
                                 tr("<p><b>Halflight</b>: a workbench for research on real-time global illumination.</p>"
-                                   "<p>GPL-3.0-or-later. Made with Qt %1 and QCustomPlot.</p><p>%2</p>")
-                                    .arg(QString::fromLatin1(qVersion()), frame_ ? QString::fromStdString(frame_->provenance.commit) : QString()),
+                                   "<p>GPL-3.0-or-later. Made with Qt %1 and QCustomPlot.</p><p>%2</p><p>Viewport: %3</p>")
+                                    .arg(QString::fromLatin1(qVersion()), frame_ ? QString::fromStdString(frame_->provenance.commit) : QString(), presenterText_.toHtmlEscaped()),
                                 QMessageBox::Close, this);
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->open();
   });
+}
+
+void MainWindow::buildPresenterMenu(QMenu& view) {
+  QMenu* menu = view.addMenu(tr("Picture to the &screen"));
+  presenterActions_ = new QActionGroup(this);
+  presenterWish_ = parsePresenterWish(settings_.value(kPresenterKey).toString()).value_or(PresenterWish::Auto);
+  const std::pair<QString, PresenterWish> wishes[] = {{tr("As the device is best at"), PresenterWish::Auto}, {tr("Drawn by the device (swapchain)"), PresenterWish::Swapchain}, {tr("Read back and painted"), PresenterWish::ReadBack}};
+  for (const auto& [name, wish] : wishes) {
+    QAction* action = menu->addAction(name, this, [this, wish = wish] {
+      settings_.setValue(kPresenterKey, presenterWishId(wish));
+      setPresenterWish(wish);
+    });
+    action->setCheckable(true);
+    action->setChecked(wish == presenterWish_);
+    action->setData(static_cast<int>(wish));
+    presenterActions_->addAction(action);
+  }
+}
+
+void MainWindow::setPresenterWish(PresenterWish wish) {
+  presenterWish_ = wish;
+  for (QAction* action : presenterActions_->actions()) action->setChecked(action->data().toInt() == static_cast<int>(wish));
+  choosePresenter();
+}
+
+void MainWindow::choosePresenter() {
+  if (!presenter_ && !frame_) return;  // the engine has yet to say what it has
+  const PresenterChoice choice = ui::choosePresenter(presenterWish_, QGuiApplication::platformName(), presenter_.get());
+  if (choice.why == presenterText_ && choice.swapchain == (viewport_->swapchainView() != nullptr)) return;
+  viewport_->usePresenter(choice.swapchain ? presenter_ : nullptr);
+  presenterText_ = choice.why;
+  logInfo("Viewport: " + presenterText_.toStdString());
+  link_.renderOnce();
 }
 
 void MainWindow::buildCompareMenu() {

@@ -144,7 +144,7 @@ void PresetActions::takeScreenshot() {
   shotWanted_ = true;
   shot_.reset();
   shotPath_.clear();
-  feed_.want(this, {"final"});
+  feed_.want(this, {"final", "display"});
   onFrame();
   auto* dialog = new QFileDialog(window_, tr("Save screenshot"), startFolder(), tr("As shown (*.png);;Linear picture (*.exr)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
@@ -171,7 +171,7 @@ void PresetActions::takeScreenshot() {
 void PresetActions::onFrame() {
   if (!shotWanted_ || shot_) return;
   const auto frame = link_.latest();
-  if (!frame || !frame->images.count("final")) return;
+  if (!frame || frame->display.empty() || !frame->images.count("final")) return;
   shot_ = frame;
   feed_.want(this, {});
   writeScreenshot();

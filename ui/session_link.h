@@ -30,6 +30,7 @@ class SessionLink : public EngineLink {
   void pick(int x, int y) override;
   void setReferenceWanted(bool) override;
   void setImagesWanted(const std::vector<std::string>& names) override;
+  void renderOnce() override;
   void setRegions(const std::optional<std::vector<Region>>&) override;
   void setWorkPaused(bool) override;
   void cancelWork() override;
@@ -57,6 +58,7 @@ class SessionLink : public EngineLink {
   void postBarrier(Edit);
   /// In the worker thread; an Error it throws comes back as failed().
   void write(std::function<void()> work, const QString& path, const QString& what);
+  Edit withPresenter(Edit);
   void announce(const Preset&, const QString& from);  ///< from any thread
   void report(const Error&);                          ///< from any thread
 
@@ -68,6 +70,7 @@ class SessionLink : public EngineLink {
   std::atomic<bool> framePending_{false};
   quint64 epoch_ = 0;
   bool loaded_ = false;  // of the session's thread
+  const Session* announced_ = nullptr;  // ... as well: whose presenter the window knows
   std::unique_ptr<SessionThread> thread_;  // last: it stops before anything it calls goes away
 };
 

@@ -25,8 +25,9 @@ class MessageLog {
 
 class Instance {
  public:
-  /// @throws Error(Device) without a loader or a driver, or where the validation layer is asked for and not installed.
-  explicit Instance(bool validation);
+  /// `surfaces`: of X windows as well, where the loader has them. @throws Error(Device) without a loader or a driver, or
+  /// where the validation layer is asked for and not installed.
+  explicit Instance(bool validation, bool surfaces = false);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -34,6 +35,7 @@ class Instance {
   VkInstance handle() const { return instance_; }
   bool validation() const { return validation_; }
   bool debugLabels() const { return debugLabels_; }
+  bool surfaces() const { return surfaces_; }
   MessageLog& log() { return log_; }
   /// @throws Error(Device) where there is none.
   std::vector<VkPhysicalDevice> physicalDevices() const;
@@ -41,7 +43,7 @@ class Instance {
  private:
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  bool validation_ = false, debugLabels_ = false;
+  bool validation_ = false, debugLabels_ = false, surfaces_ = false;
   MessageLog log_;
 };
 
@@ -56,6 +58,7 @@ struct DeviceSurvey {
   bool rayPipelines = false;
   VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayProperties{};
   uint32_t scratchAlignment = 1;
+  bool swapchains = false;
   bool floatAtomics = false, storesInGraphics = false, extendedStorageFormats = false;
 };
 DeviceSurvey survey(VkPhysicalDevice);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/hash.h"
 #include "engine/passes/error_colours.h"
+#include "engine/session/presenter.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -132,20 +134,37 @@ Image Session::image(const std::string& view) {
   return impl_->linearImage(view);
 }
 
+/// To the host, to the window, or both.
+void Session::Impl::publishPicture(FrameResult& r) {
+  const double start = nowMs();
+  const bool onDevice = presenter && presenter->attached();
+  const bool wanted = !onDevice || std::find(imagesWanted.begin(), imagesWanted.end(), "display") != imagesWanted.end();
+  const size_t bytes = static_cast<size_t>(r.width) * static_cast<size_t>(r.height) * 4;
+  if (showHostView(r)) {
+    if (onDevice) device.upload(displayImage, 0, r.display.data(), bytes);
+  } else if (wanted) {
+    r.display.resize(bytes);
+    device.download(displayImage, r.display.data(), bytes);
+  }
+  if (!r.display.empty()) r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
+  if (onDevice) presenter->publish(displayImage);
+  r.publishMs = nowMs() - start;
+}
+
 /// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.
-void Session::Impl::showHostView(FrameResult& result) {
+bool Session::Impl::showHostView(FrameResult& result) {
   const std::string& id = preset.display.view;
   const bool error = id.rfind("error", 0) == 0, truth = id.rfind("reference", 0) == 0;
-  if (!error && !truth) return;
+  if (!error && !truth) return false;
   if (!full.result) {
     if (result.message.empty()) result.message = "the reference has no picture yet";
-    return;
+    return false;
   }
-  if (truth) {
+  if (truth)
     result.display = toneMapOnHost(linearImage(id), preset.display);
-    return;
-  }
-  result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
+  else
+    result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
+  return true;
 }
 
 }  // namespace hl

@@ -46,11 +46,13 @@ void checkPlayback(const Scene&, const Playback&);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
+  ~Impl();
 
   SessionOptions options;
   std::shared_ptr<Progress> progress = std::make_shared<Progress>();
   Device device;
   ShaderLibrary shaders;
+  std::shared_ptr<Presenter> presenter;
   TaskPool pool;
   FrameGraph graph;
 
@@ -177,7 +179,8 @@ struct Session::Impl {
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
-  void showHostView(FrameResult&);
+  bool showHostView(FrameResult&);
+  void publishPicture(FrameResult&);
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
   std::vector<std::string> imageNames() const;
