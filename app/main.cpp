@@ -33,7 +33,7 @@ Arguments parse(const QCoreApplication& app) {
   parser.addVersionOption();
   parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh or screenshot to open; a scene's name will do."), "[FILE]");
   const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
-  const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
+  const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree, bvh or pipeline."), "T", "auto");
   const QCommandLineOption measure("measure-ui",
                                    QCoreApplication::translate("main", "Measure the window's own responsiveness, and print it as JSON at the end: raw, and with the time that "
                                                                "a virtual machine's host took subtracted (corrected)."));

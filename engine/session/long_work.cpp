@@ -129,6 +129,15 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
   } while (!workSettled() && nowMs() - start < budgetMs);
 }
 
+void Session::Impl::runWorkWithin(double limitMs, Progress& p) {
+  constexpr double kSliceMs = 1000;
+  const double left = limitMs - prepareMs - workMs;
+  if (limitMs > 0 && left <= 0) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", prepareMs + workMs, limitMs));
+  runWork(limitMs > 0 ? std::min(kSliceMs, left) : kSliceMs, p);
+}
+
+double Session::Impl::shownMs(double frameMs) const { return workUnitsTimed ? workMs + frameMs : msSinceReset; }
+
 bool Session::Impl::referenceShared() const {
   const Transport t = technique->transport();
   const bool sameSides = !t.frontFacesOnly || !features.twoSided;
