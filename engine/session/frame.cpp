@@ -100,6 +100,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   s.msSinceReset += timings.wallMs;
   ++s.frameNumber;
   ++s.frameSinceReset;
+  ++s.frameSinceChange;
   uint32_t counters[2] = {0, 0};
   s.device.download(s.displayCounters, counters, sizeof counters);
   s.nonFinite = counters[0], s.negative = counters[1];
@@ -128,7 +129,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   // Measured on a schedule, and once more at the end, so that a settled session shows the numbers of what it shows.
   const bool referencesDone = s.referencesSettled();
   // A frame that worked shows what was there before its work: it is not the last to be measured.
-  const bool allSettled = !worked && s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
+  const bool allSettled = !worked && s.techniqueSettled() && s.directLight->settled(s.direct) && referencesDone;
   const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
   const bool shownAnew = s.framesToMeasure > 0 && --s.framesToMeasure == 0;  // not while someone turns the exposure
   if (shownAnew) s.measuredSettled = false;
@@ -154,7 +155,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
-  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled())
+  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.techniqueSettled())
     s.settledFrames = s.frameSinceReset, s.settledMs = s.shownMs(timings.wallMs);
   r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
   r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;
@@ -174,6 +175,11 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.technique.running = !s.workSettled();
   r.technique.label = work.label;
   r.technique.done = work.total ? static_cast<double>(work.done) / static_cast<double>(work.total) : 1.0;
+  const uint32_t settling = s.held || work.total ? 0 : s.technique->framesToSettle();
+  if (settling > 0) {
+    r.technique.done = std::min(1.0, static_cast<double>(s.frameSinceChange) / settling);
+    if (!s.techniqueSettled()) r.technique.label = fmt::format("frame {} of {}", s.frameSinceChange, settling);
+  }
   if (r.technique.running && s.workUnitsTimed)
     r.technique.secondsLeft = s.workMs / static_cast<double>(s.workUnitsTimed) * static_cast<double>(work.total - work.done) / 1000;
   if (s.full.tracer) {
@@ -186,7 +192,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   }
   r.errors = s.errors;
   r.convergence = s.convergence;  // shared, not copied
-  r.settled = !worked && !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
+  r.settled = !worked && !s.resetWanted && s.techniqueSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
   r.message = s.message;
@@ -225,6 +231,7 @@ std::shared_ptr<const FrameResult> Session::settle(Progress* progress, double li
   const double start = nowMs();
   do {
     p.check();
+    if (!s.techniqueSettled()) s.checkLimit(limitMs);
     result = frame(&p);
   } while (!result->settled || s.frameProfiler.frames() < kLeastTimedFrames ||
            (s.frameProfiler.frames() < kTimedFrames && nowMs() - start < kTimingBudgetMs));

@@ -92,7 +92,7 @@ void Session::Impl::prepare(Progress& p) {
     resetWanted = false;
     if (!held && !techniqueStale) technique->reset();
     directLight->reset();
-    frameSinceReset = 0;
+    frameSinceReset = frameSinceChange = 0;
     msSinceReset = settledMs = 0;
     settledFrames = 0;
     workMs = 0, workUnitsTimed = 0;
@@ -110,6 +110,12 @@ void Session::Impl::prepare(Progress& p) {
 
 bool Session::Impl::workSettled() const {
   return held || techniqueStale || workStopped || !features.surfaces || !features.anyLight() || technique->work().settled();
+}
+
+bool Session::Impl::techniqueSettled() const {
+  if (!workSettled()) return false;
+  const bool shown = !held && !techniqueStale && features.surfaces && features.anyLight();
+  return !shown || frameSinceChange >= technique->framesToSettle();
 }
 
 void Session::Impl::runWork(double budgetMs, Progress& p) {
@@ -131,12 +137,18 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
 
 void Session::Impl::runWorkWithin(double limitMs, Progress& p) {
   constexpr double kSliceMs = 1000;
-  const double left = limitMs - prepareMs - workMs;
-  if (limitMs > 0 && left <= 0) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", prepareMs + workMs, limitMs));
-  runWork(limitMs > 0 ? std::min(kSliceMs, left) : kSliceMs, p);
+  checkLimit(limitMs);
+  runWork(limitMs > 0 ? std::min(kSliceMs, limitMs - prepareMs - workMs) : kSliceMs, p);
 }
 
-double Session::Impl::shownMs(double frameMs) const { return workUnitsTimed ? workMs + frameMs : msSinceReset; }
+void Session::Impl::checkLimit(double limitMs) const {
+  const double used = prepareMs + (framesAreWork() ? msSinceReset : workMs);
+  if (limitMs > 0 && used >= limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", used, limitMs));
+}
+
+bool Session::Impl::framesAreWork() const { return !held && !techniqueStale && technique->framesToSettle() > 0; }
+
+double Session::Impl::shownMs(double frameMs) const { return framesAreWork() || !workUnitsTimed ? msSinceReset : workMs + frameMs; }
 
 bool Session::Impl::referenceShared() const {
   const Transport t = technique->transport();

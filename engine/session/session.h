@@ -91,7 +91,7 @@ struct FrameResult {
   uint64_t workUnits = 0;            ///< ... and how many
   double sinceResetMs = 0;           ///< frames and units of work since the reset
   uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
-  double settledMs = 0;              ///< units of work and that frame (of a technique without units: sinceResetMs): frames that show work unfinished are not its own
+  double settledMs = 0;              ///< units of work and that frame: frames that show work unfinished are not its own. Of a technique that converges over frames: sinceResetMs
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone

@@ -81,6 +81,7 @@ struct Session::Impl {
 
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
+  uint32_t frameSinceChange = 0;  ///< since the last reset, or the last change that the technique follows without one
   double msSinceReset = 0, prepareMs = 0, settledMs = 0;
   uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
@@ -130,9 +131,12 @@ struct Session::Impl {
   void runWork(double budgetMs, Progress&);
   /// A slice of it, as part of all that preparation and work may take. @throws Error(Run) where that is over.
   void runWorkWithin(double limitMs, Progress&);
+  void checkLimit(double limitMs) const;
+  bool framesAreWork() const;            ///< the technique converges over frames
   double shownMs(double frameMs) const;  ///< see FrameResult::settledMs
   void runReference(double budgetMs, Progress&);
   bool workSettled() const;
+  bool techniqueSettled() const;  ///< work and, where it converges over frames, those
   bool referencesStarted() const;
   bool referencesSettled() const;
   void startReferences();

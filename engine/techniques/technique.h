@@ -104,6 +104,9 @@ class Technique {
   virtual WorkState work() const { return {}; }
   /// Records the next unit of work(), at most about 50 ms of it on a CPU device; called between frames while it has not settled.
   virtual void recordWork(FrameGraph&) {}
+  /// Frames since the last reset, or since the last change that was followed without one, from which on the picture counts as settled: for
+  /// techniques that converge over frames. A function of parameters and scene alone, never of time.
+  virtual uint32_t framesToSettle() const { return 0; }
   virtual IndirectLight record(FrameGraph&, const FrameInputs&) = 0;
   virtual std::vector<DebugView> debugViews() const { return {}; }
   virtual std::vector<MemoryItem> memory() const { return {}; }
