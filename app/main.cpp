@@ -39,7 +39,7 @@ Arguments parse(const QCoreApplication& app) {
   parser.addVersionOption();
   parser.addPositionalArgument("file", QCoreApplication::translate("main", "Preset, scene, mesh, screenshot, experiment or folder of results to open; a scene's name will do."), "[FILE]");
   const QCommandLineOption device("device", QCoreApplication::translate("main", "Vulkan device: its index or part of its name."), "D");
-  const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree or bvh."), "T", "auto");
+  const QCommandLineOption tracer("tracer", QCoreApplication::translate("main", "Ray tracer: auto, embree, bvh or pipeline."), "T", "auto");
   const QCommandLineOption presenter("presenter",
                                      QCoreApplication::translate("main", "How the picture comes to the screen: swapchain (drawn by the device; X11 alone), readback, "
                                                                          "or auto (swapchain on a GPU). The menu View keeps another choice than auto."),

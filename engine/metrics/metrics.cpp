@@ -76,7 +76,7 @@ struct Images {
       for (int c = 0; c < channels; ++c) to[c] = static_cast<double>(from[c]);
     };
     read(value, s.v), read(mean, s.r), read(halfA, s.a), read(halfB, s.b);
-    if (calmed) read(calmed->guess, s.guess), read(calmed->variance, s.variance), read(calmed->own, s.own), read(calmed->noise, s.guessDraw);
+    if (calmed) read(calmed->guess, s.guess), read(calmed->variance, s.variance), read(calmed->own, s.own), read(calmed->spread, s.spread), read(calmed->noise, s.guessDraw);
     if (!calmed)
       for (int c = 0; c < channels; ++c) s.own[c] = 1;
     return s;
@@ -265,7 +265,7 @@ std::vector<MetricResult> measureRegions(std::string_view metric, const Image& v
   const std::vector<double> weights = weightsOf(value, options);
   const bool halves = hasHalves(reference);
   CalmedReference calmed;
-  if (halves && definition.calmDenominator) calmed = calmedReference(value, reference, weights, options.pool), images.calmed = &calmed;
+  if (halves && definition.calmDenominator) calmed = calmedReference(reference, weights, options.pool), images.calmed = &calmed;
   std::vector<double> windowed;
   if (definition.map) windowed = windowedTerms(definition, images, weights, options);
   const Measurement measurement{definition, images, halves, options, definition.map ? &windowed : nullptr};

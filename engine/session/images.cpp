@@ -45,8 +45,17 @@ Image SurfaceImages::composite(const Image& direct, const Image& indirect) const
   return out;
 }
 
+std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(bool composite) const {
+  ReferenceSurfaces out{position, geometricNormal, {}, {}};
+  if (composite) {
+    out.gain = albedo, out.offset = emission;
+    for (float& x : out.gain.data) x /= kPi;
+  }
+  return std::make_shared<const ReferenceSurfaces>(std::move(out));
+}
+
 SurfaceImages Session::Impl::surfaceImages() {
-  return {device.download(gbuffer.position), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
+  return {device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
 }
 
 Image Session::Impl::indirectIrradiance() {

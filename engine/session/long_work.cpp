@@ -141,6 +141,21 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
   } while (!workSettled() && nowMs() - start < budgetMs);
 }
 
+void Session::Impl::runWorkWithin(double limitMs, Progress& p) {
+  constexpr double kSliceMs = 1000;
+  checkLimit(limitMs);
+  runWork(limitMs > 0 ? std::min(kSliceMs, limitMs - prepareMs - workMs) : kSliceMs, p);
+}
+
+void Session::Impl::checkLimit(double limitMs) const {
+  const double used = prepareMs + (framesAreWork() ? msSinceReset : workMs);
+  if (limitMs > 0 && used >= limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", used, limitMs));
+}
+
+bool Session::Impl::framesAreWork() const { return !held && !techniqueStale && technique->framesToSettle() > 0; }
+
+double Session::Impl::shownMs(double frameMs) const { return framesAreWork() || !workUnitsTimed ? msSinceReset : workMs + frameMs; }
+
 bool Session::Impl::referenceShared() const {
   const Transport t = technique->transport();
   const bool sameSides = !t.frontFacesOnly || !features.twoSided;
