@@ -75,7 +75,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   } else if (!hasSurfaces || !s.features.anyLight()) {
     s.graph.skip(s.preset.technique, hasSurfaces ? "the scene has no lights" : "the scene has no surfaces");
   } else {
-    s.indirectImage = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view}).irradiance;
+    s.indirectImage = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view, s.camera()}).irradiance;
   }
   s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky);
 

@@ -43,6 +43,7 @@ struct FrameInputs {
   uint32_t frame = 0;                ///< since the last reset
   uint32_t seed = 1;
   std::string_view view = {};        ///< the view on screen: what only one debug view shows is recorded for that view alone
+  Camera camera = {};
 };
 
 /// Indirect irradiance [W/m^2], RGBA32F at G-buffer pixels.
