@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/core/error.h"
+#include "engine/core/files.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_pack.h"
 #include "engine/scene/scene_pose.h"
@@ -67,7 +68,9 @@ TEST(ScenePose, BringsVerticesAndBoundsAlong) {
   EXPECT_LE(moved, pose.vertices().size());
   const std::vector<bool> moving = movingTriangles(scene);
   for (size_t t = 0; t < moving.size(); ++t)
-    if (!moving[t]) EXPECT_EQ(rest.positions[rest.indices[t].x], scene.positions[scene.indices[t].x]);
+    if (!moving[t]) {
+      EXPECT_EQ(rest.positions[rest.indices[t].x], scene.positions[scene.indices[t].x]);
+    }
   for (double time = 0; time < 4; time += 0.37) {
     pose.apply(scene, time);
     for (const shared::MovingVertex& v : pose.vertices()) {
@@ -120,7 +123,10 @@ constexpr const char* kRoom = R"("version": 1, "shapes": [{"type": "box", "name"
 
 class AnimationFiles : public ::testing::Test {
  protected:
-  std::string file(const std::string& more) { return folder.write("room.json", std::string("{") + kRoom + ", " + more + "}"); }
+  std::string file(const std::string& more) {
+    writeFileAtomically(folder / "room.json", std::string("{") + kRoom + ", " + more + "}");
+    return (folder / "room.json").string();
+  }
   void refused(const std::string& more, const std::vector<std::string>& words) {
     SCOPED_TRACE(more);
     try {

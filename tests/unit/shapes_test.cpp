@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/error.h"
+#include "engine/core/files.h"
 #include "engine/scene/scene_file.h"
 #include "tests/temporary_folder.h"
 
@@ -13,7 +14,8 @@ namespace {
 class Shapes : public ::testing::Test {
  protected:
   Scene of(const std::string& shapes) {
-    return loadScene(folder.write("shapes.json", R"({"version": 1, "lightmap_uvs": true, "materials": {"m": {"albedo": 0.5}}, "shapes": [)" + shapes + "]}"));
+    writeFileAtomically(folder / "shapes.json", R"({"version": 1, "lightmap_uvs": true, "materials": {"m": {"albedo": 0.5}}, "shapes": [)" + shapes + "]}");
+    return loadScene((folder / "shapes.json").string());
   }
   /// By the divergence theorem; negative where triangles face inwards.
   static double volume(const Scene& s) {
