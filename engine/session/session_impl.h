@@ -32,6 +32,7 @@ struct SurfaceImages {
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
   /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
   Image composite(const Image& direct, const Image& indirect) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect) const;
 };
 
 /// Pixels that see a surface, from the G-buffer's positions.
@@ -99,7 +100,7 @@ struct Session::Impl {
   struct KeptImage {
     std::shared_ptr<const ReferenceResult> result;
     int bounces = 0;
-    std::shared_ptr<const Image> image;
+    std::shared_ptr<const ReferenceImage> image;
   };
   std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
@@ -157,6 +158,8 @@ struct Session::Impl {
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
   std::vector<std::string> imageNames() const;
+  /// By the names that begin with "reference". @throws Error(BadInput) where there is none yet.
+  ReferenceImage referenceImage(const std::string& view);
   Image linearImage(const std::string& view);
 };
 
