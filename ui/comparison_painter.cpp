@@ -126,7 +126,7 @@ void paintComparison(QPainter& painter, const ShownComparison& c, const PictureV
     case CompareMode::Difference:
     case CompareMode::ErrorMap:
       paintPicture(painter, a, place);
-      label(painter, (c.mode == CompareMode::Difference ? say("%1 minus %2") : say("%1 measured against %2")).arg(c.nameA, c.nameB), place & widget, Qt::AlignTop | Qt::AlignLeft);
+      label(painter, (c.mode == CompareMode::Difference ? say("%1 minus %2") : say("%1 measured against %2")).arg(c.nameA, c.nameB) + (c.pictures.value.isEmpty() ? QString() : QStringLiteral(": ") + c.pictures.value), place & widget, Qt::AlignTop | Qt::AlignLeft);
       legend(painter, c.pictures, place & widget);
       break;
   }

@@ -13,6 +13,8 @@
 namespace hl {
 namespace {
 
+constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
+
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
   Image out(in.width, in.height, 3);
@@ -62,6 +64,20 @@ Image Session::Impl::indirectIrradiance() {
   return indirectImage ? device.download(indirectImage) : Image(gbuffer.width, gbuffer.height, 4);
 }
 
+ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect) const {
+  return {composite(direct.mean, indirect.mean), composite(direct.halfA, indirect.halfA), composite(direct.halfB, indirect.halfB)};
+}
+
+ReferenceImage Session::Impl::referenceImage(const std::string& name) {
+  const bool limited = name.rfind("reference_matched", 0) == 0;
+  const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
+  if (!run) throw badInput(fmt::format("image '{}': there is no {}reference yet", name, limited ? "matched " : ""));
+  if (name == "reference_direct") return run->result->directImage();
+  ReferenceImage irradiance = run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
+  if (name.ends_with("_indirect")) return irradiance;
+  return surfaceImages().composite(run->result->directImage(), irradiance);
+}
+
 Image Session::Impl::linearImage(const std::string& name) {
   if (name == "final") return withoutAlpha(device.download(finalImage));
   if (name == "indirect" || name == "indirect_irradiance") {
@@ -84,25 +100,15 @@ Image Session::Impl::linearImage(const std::string& name) {
     return three;
   }
   if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
-  if (name == "reference_indirect" || name == "reference_direct") {
-    if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
-    return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(fullBounces()).mean;
-  }
-  if (name == "reference") return surfaceImages().composite(linearImage("reference_direct"), linearImage("reference_indirect"));
-  if (name == "reference_matched" || name == "reference_matched_indirect") {
-    const ReferenceRun* run = matchedRun();
-    if (!run) throw badInput(fmt::format("image '{}': there is no matched reference yet", name));
-    const Image irradiance = run->result->indirectImage(technique->transport().bounces).mean;
-    return name == "reference_matched" ? surfaceImages().composite(run->result->directImage().mean, irradiance) : irradiance;
-  }
+  if (std::find(std::begin(kReferenceImages), std::end(kReferenceImages), name) != std::end(kReferenceImages)) return referenceImage(name).mean;
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
   throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(imageNames(), ", ")));
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion",
-                                    "reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion"};
+  known.insert(known.end(), std::begin(kReferenceImages), std::end(kReferenceImages));
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;
 }
@@ -132,10 +138,13 @@ void Session::Impl::publishImages(FrameResult& r) {
     const int bounces = limited ? technique->transport().bounces : fullBounces();
     const auto old = keptImages.find(name);
     const bool same = old != keptImages.end() && old->second.result == run->result && old->second.bounces == bounces;
-    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const Image>(linearImage(name))};
-    r.images[name] = kept[name].image;
+    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const ReferenceImage>(referenceImage(name))};
+    const std::shared_ptr<const ReferenceImage> image = kept[name].image;
+    r.references[name] = image;
+    r.images[name] = std::shared_ptr<const Image>(image, &image->mean);
   }
   keptImages = std::move(kept);
+  if (!r.images.empty()) r.surfaces = std::make_shared<const Mask>(surfaceMask());
 }
 
 Image Session::image(const std::string& view) {

@@ -124,6 +124,9 @@ struct FrameResult {
   Preset preset;                     ///< as it stands
   /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
   std::map<std::string, std::shared_ptr<const Image>> images;
+  /// Of these images a reference's, with their halves: errors against them are free of the reference's own variance.
+  std::map<std::string, std::shared_ptr<const ReferenceImage>> references;
+  std::shared_ptr<const Mask> surfaces;  ///< pixels that see a surface, which errors are means over; null where no image is wanted
 };
 
 class Session {

@@ -35,6 +35,7 @@ struct SurfaceImages {
   Image composite(const Image& direct, const Image& indirect) const;
   /// For a reference of irradiance at these pixels, or for its composite.
   std::shared_ptr<const ReferenceSurfaces> ofReference(bool composite) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect) const;
 };
 
 /// Pixels that see a surface, from the G-buffer's positions.
@@ -118,7 +119,7 @@ struct Session::Impl {
   struct KeptImage {
     std::shared_ptr<const ReferenceResult> result;
     int bounces = 0;
-    std::shared_ptr<const Image> image;
+    std::shared_ptr<const ReferenceImage> image;
   };
   std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
@@ -191,6 +192,8 @@ struct Session::Impl {
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
   std::vector<std::string> imageNames() const;
+  /// By the names that begin with "reference". @throws Error(BadInput) where there is none yet.
+  ReferenceImage referenceImage(const std::string& view);
   Image linearImage(const std::string& view);
 };
 
