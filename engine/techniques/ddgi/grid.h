@@ -36,14 +36,15 @@ HL_CONST uint kProbeUnneeded = 2u;  ///< no surface in any of the cells round it
 
 /// Rays of relocation and classification: the same in every frame, and no part of what is blended.
 HL_CONST uint kFixedRays = 32u;
+/// From the lattice they start this much behind the probe [spacings], so that one that stands in a wall's very plane sees the wall.
+HL_CONST float kBacktrack = 0.01f;
 /// Back faces count as this much nearer, so that what lies in geometry is trusted little (Majercik et al. 2021).
 HL_CONST float kBackFaceDistanceShare = 0.2f;
 
 // Weights of a probe (Majercik et al. 2019, section 5.2; 2021).
 HL_CONST float kLeastTrilinear = 0.001f;   ///< so that there is always some weight
 HL_CONST float kFacingOffset = 0.2f;       ///< of ((cosine + 1) / 2)^2
-HL_CONST float kLeastVisibility = 0.05f;   ///< of Chebyshev's bound, cubed
-HL_CONST float kLeastWeight = 0.000001f;
+HL_CONST float kLeastWeight = 0.000001f;   ///< likewise, before crushing: the sum of weights of active probes is never 0
 HL_CONST float kCrushBelow = 0.2f;
 HL_CONST float kChangedHistoryShare = 0.25f;  ///< of the history's weight where change_threshold is passed
 

@@ -25,7 +25,7 @@ vec3 probeIrradiance(uint probe, vec3 normal) {
   return kPi * v;
 }
 
-/// Bound on the chance that nothing lies between probe and point, cubed (Donnelly and Lauritzen, "Variance Shadow Maps", 2006).
+/// Bound on the chance that nothing lies between probe and point, to a power (Donnelly and Lauritzen, "Variance Shadow Maps", 2006).
 float probeVisibility(uint probe, vec3 fromProbe) {
   const float away = length(fromProbe);
   if (away == 0.0) return 1.0;
@@ -33,7 +33,7 @@ float probeVisibility(uint probe, vec3 fromProbe) {
   if (away <= moments.x) return 1.0;
   const float variance = abs(moments.y - moments.x * moments.x), beyond = away - moments.x;
   const float bound = variance / (variance + beyond * beyond);
-  return max(kLeastVisibility, bound * bound * bound);
+  return max(ddgi.visibility_floor, pow(bound, ddgi.visibility_power));
 }
 
 /// A point that asks, and the cell it asks.

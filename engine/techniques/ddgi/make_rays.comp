@@ -33,5 +33,6 @@ void main() {
     Random random = randomInit(batch.seed, ddgi.rotation == kRotationPerProbe ? probe + 1u : 0u, batch.frame);
     direction = rotated(direction, randomRotation(random));
   }
+  if (batch.placing == kCastingAnew) origin -= direction * (kBacktrack * grid.leastSpacing);
   rays[r] = Ray(origin, 0.0, direction, kFar);
 }

@@ -26,8 +26,9 @@ void main() {
   float closestBack = 1e30, closestFront = wanted;
   vec3 wayOut = vec3(0.0), push = vec3(0.0);
   for (uint j = 0u; j < batch.rays; ++j) {
-    const Hit hit = hits[i * batch.rays + j];
+    Hit hit = hits[i * batch.rays + j];
     if (hit.primitive == kMiss) continue;
+    if (batch.placing == kCastingAnew) hit.t = max(0.0, hit.t - kBacktrack * grid.leastSpacing);
     const vec3 direction = rays[i * batch.rays + j].direction;
     const vec3 normal = triangleNormal(fetchTriangle(hit.primitive));
     const float slope = dot(normal, direction);
