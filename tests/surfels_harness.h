@@ -10,7 +10,7 @@ namespace hl::test {
 
 class SurfelsHarness : public TechniqueHarness {
  public:
-  explicit SurfelsHarness(Scene theScene, std::string tracer = "embree") : TechniqueHarness("surfels", std::move(theScene), std::move(tracer)) {
+  explicit SurfelsHarness(Scene theScene, std::string tracerName = "embree") : TechniqueHarness("surfels", std::move(theScene), std::move(tracerName)) {
     lightmap.resolution = 32;  // the harness makes one; surfels have none
   }
 

@@ -13,13 +13,8 @@ class SurfelAccuracy : public SessionTest {
     p.scene = "cornell_box";
     p.technique = "surfels";
     p.width = 160, p.height = 90;
-    p.parameters["surfels.max_surfels"] = "16384";
-    p.parameters["surfels.radius_pixels"] = "2.5";
-    p.parameters["surfels.ray_budget"] = "2";
-    p.parameters["surfels.settle_frames"] = "300";
-    p.parameters["reference.samples"] = "256";
-    p.parameters["reference.direct_samples"] = "32";
-    p.parameters["direct.samples"] = "16";
+    p.parameters = {{"surfels.max_surfels", "16384"}, {"surfels.radius_pixels", "2.5"},   {"surfels.ray_budget", "2"}, {"surfels.settle_frames", "300"},
+                    {"reference.samples", "256"},     {"reference.direct_samples", "32"}, {"direct.samples", "16"}};
     return p;
   }
 };

@@ -25,11 +25,11 @@ TEST(SurfelHardCase, TwoRunsAgreeToTheBitWhateverMoves) {
   for (const char* tracer : {"embree", "embree", "bvh"}) {
     SurfelsHarness h(scene, tracer);
     small(h);
-    h.set("surfels.guiding", "true").set("surfels.ray_budget", "2").set("surfels.recycle_chance", "0.5").set("surfels.recycle_coverage", "2");
+    h.set("surfels.guiding", "true").set("surfels.ray_budget", "2").set("surfels.recycle_chance", "0.5").set("surfels.recycle_coverage", "1.5");
     h.rebuild();
     Camera c = scene.cameras.front();
     for (int i = 0; i < 24; ++i) {
-      c.position = c.position + vec3(0.01f, 0.005f, 0.01f);
+      c.position = c.position - vec3(0.01f, 0.005f, 0.06f);
       h.frame(c);
     }
     EXPECT_GT(h.counter("recycled"), 0);
@@ -121,14 +121,14 @@ TEST(SurfelHardCase, AJumpingCameraFindsLightAtOnceWhereRaysHavePlacedSurfels) {
   h.set("surfels.ray_budget", "4");
   h.rebuild();
   Camera away = h.scene.cameras.front(), back = away;
-  back.target = 2.0f * away.position - away.target;
-  for (int i = 0; i < 150; ++i) h.frame(away);
+  back.position = vec3(-0.2f, 1, -0.7f), back.target = vec3(0.1f, 0.9f, 1);
+  for (int i = 0; i < 80; ++i) h.frame(away);
   const double settled = h.mean();
   h.frame(back);
   std::printf("jump: %.4f of the light at once, %.0f pixels without\n", h.mean() / settled, h.counter("uncovered_pixels"));
   EXPECT_GT(h.mean(), 0.5 * settled);
   for (int i = 0; i < 40; ++i) h.frame(back);
-  EXPECT_NEAR(h.mean() / settled, 1, 0.03);
+  EXPECT_NEAR(h.mean() / settled, 1, 0.05);
   EXPECT_EQ(h.counter("uncovered_pixels"), 0);
 }
 
@@ -139,7 +139,7 @@ TEST(SurfelHardCase, WithoutSurfelsAtHitsUnseenWallsLoseBouncesAndAreCounted) {
     small(h);
     h.set("surfels.spawn_at_hits", spawn ? "true" : "false").set("surfels.ray_budget", "4");
     h.rebuild();
-    for (int i = 0; i < 150; ++i) h.frame(h.scene.cameras.front());
+    for (int i = 0; i < 80; ++i) h.frame(h.scene.cameras.front());
     light[spawn] = h.mean(), uncovered[spawn] = h.counter("uncovered_hits_last_frame") / h.counter("surfels");
   }
   std::printf("unseen walls: %.3f of the light without surfels there, %.2f uncovered hits a surfel and frame; with them %.4f\n", light[0] / light[1], uncovered[0], uncovered[1]);

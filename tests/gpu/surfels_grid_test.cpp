@@ -15,7 +15,7 @@ TEST_F(SurfelsGrid, PrefixSumsAreTheHosts) {
   std::mt19937 random(7);
   for (const uint32_t count : {1u, 2u, 255u, 1023u, 1024u, 1025u, 5000u, 300000u}) {
     std::vector<uint32_t> values(count);
-    for (uint32_t& v : values) v = random() % 1000;
+    for (uint32_t& v : values) v = static_cast<uint32_t>(random() % 1000);
     const PrefixSum prefix(*device, count);
     const Buffer in = device->buffer("values", std::span<const uint32_t>(values));
     const Buffer out = device->buffer("sums", (count + 1) * sizeof(uint32_t));
@@ -97,7 +97,7 @@ TEST_F(SurfelsGrid, ListsHoldEverySurfelThatReachesTheCell) {
     for (uint32_t c = 0; c < plan.cells(); ++c)
       for (uint32_t e = offsets[c]; e + 1 < offsets[c + 1]; ++e) ASSERT_LT(entries[e], entries[e + 1]) << "cell " << c;
     for (int i = 0; i < 20000; ++i) {
-      const uint32_t id = random() % kCount;
+      const auto id = static_cast<uint32_t>(random() % kCount);
       const vec3 to = frame.radius * vec3(2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1);
       const vec3 p = sites[id].position + to;
       if (glm::any(glm::lessThan(p, bounds.min)) || glm::any(glm::greaterThan(p, bounds.max))) continue;

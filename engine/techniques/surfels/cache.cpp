@@ -47,7 +47,7 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
   guide_ = guiding_ ? device_.buffer("surfels: guides", n * kGuideBytes) : device_.buffer("surfels: no guides", kGuideBytes);
   totals_ = device_.buffer("surfels: totals", sizeof(shared::SurfelTotals));
   freeIds_ = device_.buffer("surfels: free numbers", n * sizeof(uint32_t));
-  claims_ = device_.buffer("surfels: claims", plan.cells() * sizeof(uint32_t));
+  claims_ = device_.buffer("surfels: claims", shared::kClaimSlots * sizeof(uint32_t));
   shares_ = device_.buffer("surfels: shares", n * sizeof(uint32_t));
   shareSums_ = device_.buffer("surfels: sums of shares", (n + 1) * sizeof(uint32_t));
   recycleFlags_ = device_.buffer("surfels: recycled", n * sizeof(uint32_t));

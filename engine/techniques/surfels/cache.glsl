@@ -36,6 +36,14 @@ float luminanceOf(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 ivec3 cellOf(vec3 p) { return clamp(ivec3(floor((p - frame.gridOrigin) / frame.cellSize)), ivec3(0), ivec3(frame.gridSize) - 1); }
 uint cellIndex(ivec3 c) { return (uint(c.z) * frame.gridSize.y + uint(c.y)) * frame.gridSize.x + uint(c.x); }
 
+/// Nearer to the eye than this share of the largest radius no surfel shrinks.
+const float kLeastRadius = 1.0 / 64.0;
+
+float radiusAt(vec3 position) {
+  if (surfels.sizing != kSizingScreen) return frame.radius;
+  return clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);
+}
+
 /// The cells that a surfel's ellipsoid may reach into; at most three along each axis, as no radius exceeds a cell's edge.
 void cellsOf(vec3 position, vec3 normal, float radius, out ivec3 low, out ivec3 high) {
   const float flatness = 1.0 / surfels.normal_squash;
@@ -75,6 +83,25 @@ float surfelWeight(vec3 p, vec3 n, uint id, vec4 placeRadius, vec3 surfelNormal)
   return weight;
 }
 
+/// The cell's surfels that face the same way, whatever their distance, the nearer the more.
+void fillGap(vec3 p, vec3 n, uint first, uint end, inout Gathered g) {
+  const float softening = 1e-4 * frame.cellSize * frame.cellSize;
+  for (uint e = first; e < end; ++e) {
+    const uint id = cellEntries[e];
+    const vec4 place = texelFetch(records, int(kRecordTexels * id));
+    const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));
+    const float facing = dot(n, normal.xyz);
+    if (place.w <= 0.0 || facing <= 0.0 || normal.w <= 0.0) continue;
+    const vec3 to = p - place.xyz;
+    const float along = dot(to, normal.xyz);
+    const float d2 = (dot(to, to) + (surfels.normal_squash * surfels.normal_squash - 1.0) * along * along) + softening;
+    const float weight = normal.w * facing * frame.cellSize * frame.cellSize / d2;
+    g.weight += weight;
+    g.irradiance += weight * texelFetch(records, int(kRecordTexels * id + 2u)).xyz;
+  }
+  if (g.weight > 0.0) g.irradiance /= g.weight;
+}
+
 /// In the order of the cell's list, which is that of numbers: the same sum in every run.
 Gathered gatherAt(vec3 p, vec3 n) {
   Gathered g = Gathered(vec3(0.0), 0.0, 0.0, kNoSurfel, 0.0);
@@ -95,6 +122,7 @@ Gathered gatherAt(vec3 p, vec3 n) {
     g.irradiance += known * texelFetch(records, int(kRecordTexels * id + 2u)).xyz;
   }
   if (g.weight > 0.0) g.irradiance /= g.weight;
+  else if (surfels.fill_gaps != 0) fillGap(p, n, first, end, g);
   return g;
 }
 #endif
@@ -105,12 +133,19 @@ Gathered gatherAt(vec3 p, vec3 n) {
 layout(scalar) buffer claims_block { uint claims[]; };
 layout(scalar) buffer candidates_block { Candidate candidates[]; };
 
-void propose(uint index, vec3 position, vec3 normal, uint triangle, vec3 seed, float seedWeight) {
-  const uint cell = cellIndex(cellOf(position));
-  candidates[index] = Candidate(position, cell, normal, triangle, seed, seedWeight);
-  atomicMin(claims[cell], index);
+/// A slot for each cube of about a surfel's diameter; cubes that share one by chance wait for each other.
+uint claimOf(vec3 position) {
+  const float side = frame.diagonal * exp2(ceil(log2(2.0 * radiusAt(position) / frame.diagonal)));  // neighbours at slightly different distances mean the same cube
+  const ivec3 cube = ivec3(floor((position - frame.gridOrigin) / side));
+  return pcgHash(uint(cube.x) ^ pcgHash(uint(cube.y) ^ pcgHash(uint(cube.z)))) & (kClaimSlots - 1u);
 }
-void proposeNothing(uint index) { candidates[index].cell = kNoCell; }
+
+void propose(uint index, vec3 position, vec3 normal, uint triangle, vec3 seed, float seedWeight) {
+  const uint claim = claimOf(position);
+  candidates[index] = Candidate(position, claim, normal, triangle, seed, seedWeight);
+  atomicMin(claims[claim], index);
+}
+void proposeNothing(uint index) { candidates[index].claim = kNoClaim; }
 #endif
 
 /// Where a surfel's share of the rays begins, from the running sum of shares: so all are handed out, and each gets its share on average over frames.

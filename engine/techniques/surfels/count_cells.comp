@@ -12,9 +12,6 @@ layout(local_size_x = 64) in;
 layout(scalar) readonly buffer sites_block { Surfel sites[]; };
 layout(scalar) buffer cell_counts { uint cellCounts[]; };
 
-/// Nearer to the eye than this share of the largest radius no surfel shrinks.
-const float kLeastRadius = 1.0 / 64.0;
-
 void main() {
   const uint id = gl_GlobalInvocationID.x;
   if (id >= frame.surfels) return;
@@ -26,9 +23,7 @@ void main() {
     position = (t.restToWorld * vec4(position, 1.0)).xyz;
     normal = normalize(transpose(mat3(t.worldToRest)) * normal);
   }
-  float radius = frame.radius;
-  if (surfels.sizing == kSizingScreen)
-    radius = clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);
+  const float radius = radiusAt(position);
   records[kRecordTexels * id] = vec4(position, radius);
   records[kRecordTexels * id + 1u].xyz = normal;
   ivec3 low, high;

@@ -22,7 +22,8 @@ void main() {
   if (place.w != 0.0) {
     const Gathered g = gatherAt(place.xyz, imageLoad(geometricNormal, source).xyz);
     value = vec4(g.irradiance, g.coverage);
-    if (!(g.weight > 0.0)) countOne(kCountUncoveredPixels);
+    if (g.coverage <= 0.0) countOne(kCountUncoveredPixels);
+    if (g.weight <= 0.0) countOne(kCountUnlitPixels);
     if (g.nearest != kNoSurfel && states[g.nearest].lastSeen != frame.frame) states[g.nearest].lastSeen = frame.frame;
   }
   imageStore(result, pixel, value);

@@ -28,7 +28,8 @@ PARAM_FLOAT(normal_squash, 4, 1, 64, 1, 16, Log, Reset, "times",
 PARAM_FLOAT(coverage, 1, 0.05, 4, 0.25, 2, Log, Live, "weight", "A tile's least covered pixel gets a surfel when the surfels there weigh less than this.")
 PARAM_FLOAT(place_chance, 0.25, 0, 1, 0.02, 1, Linear, Live, "probability", "Whether a tile that wants a surfel gets it in this frame (0.08 in the thesis).")
 PARAM_BOOL(chance_by_size, false, Live, "Lowers the chance where a surfel is larger on screen than a tile, so that neighbouring tiles do not place it twice.")
-PARAM_BOOL(claim_cells, true, Live, "At most one new surfel a grid cell and frame, so that tiles and rays do not place the same one twice.")
+PARAM_BOOL(claim_places, true, Live, "At most one new surfel a frame in a cube of about its diameter, so that tiles and rays do not place the same one twice. Off in the thesis.")
+PARAM_BOOL(fill_gaps, true, Live, "Where no surfel reaches, those of the grid's cell stand in until one does, whatever their distance. Off in the thesis: black.")
 PARAM_BOOL(spawn_at_hits, true, Live,
            "A ray that hits a surface without a surfel near may place one, also where the camera never looked. Off in the thesis: bounces from unseen surfaces are then lost.")
 PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit counts as having no surfel near when the surfels there weigh less than this.")
@@ -41,9 +42,9 @@ PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How muc
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Reset, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
-PARAM_FLOAT(window_growth, 32, 0, 256, 1, 64, Linear, Live, "parts",
+PARAM_FLOAT(window_growth, 12, 0, 256, 1, 64, Linear, Live, "parts",
             "The long mean reaches back over the latest of so many parts of a surfel's samples at first, so that early ones without all bounces are forgotten; 0: min_blend alone (the thesis).")
-PARAM_FLOAT(window_settle, 256, 1, 1e6, 16, 4096, Log, Live, "samples", "After so many samples the number of parts has halved; it falls to 2.")
+PARAM_FLOAT(window_settle, 1024, 1, 1e6, 16, 4096, Log, Live, "samples", "After so many samples the number of parts has halved; it falls to 2.")
 PARAM_FLOAT(min_blend, 0.00048828125, 1e-6, 1, 1e-4, 0.1, Log, Live, "share", "Least share of a new sample in the long mean (1/256 in the thesis).")
 PARAM_FLOAT(change_samples, 16, 0, 65536, 0, 256, Linear, Live, "samples",
             "When lights are edited or animated, an estimate counts as no more samples than this, and so follows at once. 0: it has to find out by itself.")

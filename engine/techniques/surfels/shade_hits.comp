@@ -35,7 +35,8 @@ void main() {
     if (max(reflectance.x, max(reflectance.y, reflectance.z)) > 0.0) {
       const Gathered g = gatherAt(point.position, point.geometricNormal);
       countOne(kCountHits);
-      if (!(g.weight > 0.0)) countOne(kCountUncoveredHits);
+      if (g.coverage <= 0.0) countOne(kCountUncoveredHits);
+      if (g.weight <= 0.0) countOne(kCountUnlitHits);
       if (g.nearest != kNoSurfel) states[g.nearest].lastUsed = frame.frame;
       if (surfels.spawn_at_hits != 0 && g.coverage < surfels.hit_coverage) {
         propose(wanted, point.position, point.geometricNormal, point.triangle, g.irradiance, g.weight);

@@ -6,7 +6,8 @@
 HL_BEGIN
 
 HL_CONST uint kNoSurfel = 0xffffffffu;
-HL_CONST uint kNoCell = 0xffffffffu;
+HL_CONST uint kNoClaim = 0xffffffffu;
+HL_CONST uint kClaimSlots = 65536u;
 
 /// Where a surfel sits, in the rest pose of its object; written once, when it is placed.
 struct Surfel {
@@ -43,7 +44,7 @@ struct RaySample {
 /// A place where a surfel is wanted.
 struct Candidate {
   vec3 position;
-  uint cell;      ///< kNoCell: none
+  uint claim;     ///< kNoClaim: none is wanted
   vec3 normal;
   uint triangle;
   vec3 seed;      ///< irradiance of the neighbours there
@@ -53,7 +54,7 @@ struct Candidate {
 /// Counters of one frame.
 HL_CONST uint kCountNan = 0u;
 HL_CONST uint kCountInf = 1u;
-HL_CONST uint kCountUncoveredHits = 2u;
+HL_CONST uint kCountUncoveredHits = 2u;    ///< no surfel reaches them
 HL_CONST uint kCountUncoveredPixels = 3u;
 HL_CONST uint kCountCellOverflows = 4u;
 HL_CONST uint kCountMaxReached = 5u;
@@ -64,7 +65,9 @@ HL_CONST uint kCountFireflies = 9u;
 HL_CONST uint kCountBlackHits = 10u;  ///< hits on what reflects nothing
 HL_CONST uint kCountHits = 11u;       ///< on what reflects
 HL_CONST uint kCountUpsampleMisses = 12u;
-HL_CONST uint kSurfelCounters = 13u;
+HL_CONST uint kCountUnlitHits = 13u;    ///< nothing near knows its light
+HL_CONST uint kCountUnlitPixels = 14u;
+HL_CONST uint kSurfelCounters = 15u;
 
 /// What outlives a frame.
 struct SurfelTotals {

@@ -47,7 +47,8 @@ void main() {
     } else {
       const Gathered g = gatherAt(place.xyz, n);
       value = vec4(g.irradiance, g.coverage);
-      if (!(g.weight > 0.0)) countOne(kCountUncoveredPixels);
+      if (g.coverage <= 0.0) countOne(kCountUncoveredPixels);
+      if (g.weight <= 0.0) countOne(kCountUnlitPixels);
       countOne(kCountUpsampleMisses);
     }
   }
