@@ -196,7 +196,6 @@ const DeviceInfo& Device::info() const { return impl_->survey.info; }
 bool Device::isCpu() const { return impl_->cpu; }
 bool Device::timestampsSupported() const { return impl_->survey.timestampBits > 0; }
 bool Device::rayPipelines() const { return impl_->survey.rayPipelines; }
-bool Device::rayQueries() const { return impl_->survey.rayQueries; }
 uint64_t Device::maxStorageBufferBytes() const { return impl_->survey.properties.limits.maxStorageBufferRange; }
 uint32_t Device::maxTexelBufferElements() const { return impl_->survey.properties.limits.maxTexelBufferElements; }
 uint64_t Device::validationMessages() const { return impl_->instance->log().count(); }

@@ -39,7 +39,6 @@ class Device {
   bool isCpu() const;
   bool timestampsSupported() const;
   bool rayPipelines() const;  ///< acceleration structures and FrameGraph::rays work
-  bool rayQueries() const;    ///< the driver offers them; the engine uses none
   uint64_t maxStorageBufferBytes() const;
   uint32_t maxTexelBufferElements() const;
 

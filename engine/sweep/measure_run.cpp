@@ -154,7 +154,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   auto whole = std::make_shared<FrameResult>(*made);
   whole->frameTime = timed->frameTime, whole->passes = timed->passes, whole->unaccounted = timed->unaccounted;
   auto history = std::make_shared<std::vector<ConvergencePoint>>();
-  for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.errors});
+  for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.ms, at.errors});
   whole->convergence = history;
   results.frame = whole;
   record.frameTime = whole->frameTime;
