@@ -74,6 +74,13 @@ Image Session::Impl::linearImage(const std::string& name) {
   if (name == "albedo") return withoutAlpha(device.download(gbuffer.albedo));
   if (name == "normal") return withoutAlpha(device.download(gbuffer.normal));
   if (name == "position") return withoutAlpha(device.download(gbuffer.position));
+  if (name == "motion") {
+    if (!gbuffer.motion) throw badInput("image 'motion': no frame has recorded it; show the view motion, or name it among the images wanted");
+    const Image two = device.download(gbuffer.motion);
+    Image three(two.width, two.height, 3);
+    for (size_t i = 0; i < two.pixels(); ++i) std::copy_n(&two.data[i * 2], 2, &three.data[i * 3]);
+    return three;
+  }
   if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
   if (name == "reference_indirect" || name == "reference_direct") {
     if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
@@ -84,7 +91,7 @@ Image Session::Impl::linearImage(const std::string& name) {
     const ReferenceRun* run = matchedRun();
     if (!run) throw badInput(fmt::format("image '{}': there is no matched reference yet", name));
     const Image irradiance = run->result->indirectImage(technique->transport().bounces).mean;
-    return name == "reference_matched" ? surfaceImages().composite(run->result->directImage().mean, irradiance) : irradiance;
+    return name == "reference_matched" ? surfaceImages().composite(full.result->directImage().mean, irradiance) : irradiance;
   }
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
@@ -92,16 +99,20 @@ Image Session::Impl::linearImage(const std::string& name) {
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission",
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion",
                                     "reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;
 }
 
+bool Session::Impl::motionWanted() const {
+  return technique->needs().motion || preset.display.view == "motion" || std::find(imagesWanted.begin(), imagesWanted.end(), "motion") != imagesWanted.end();
+}
+
 const ReferenceRun* Session::Impl::matchedRun() const {
   if (!referencesStarted()) return nullptr;  // the technique was changed since
   const ReferenceRun& run = matched.tracer ? matched : full;
-  return run.result ? &run : nullptr;
+  return run.result && full.result ? &run : nullptr;  // direct light is the full one's
 }
 
 void Session::Impl::publishImages(FrameResult& r) {

@@ -49,11 +49,11 @@ TracerFeatures tracerFeatures(const Device& device) {
 const char* automaticTracer(const TracerFeatures& f) { return f.cpu ? "embree" : f.rayPipelines && f.rayQueries ? "pipeline" : "bvh"; }
 
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device& device, ShaderLibrary&, const Scene& scene,
-                                   const GpuScene& gpuScene, std::shared_ptr<const EmbreeScene> embree, TaskPool& pool,
+                                   const GpuScene& gpuScene, std::shared_ptr<EmbreeScene> embree, TaskPool& pool,
                                    Progress* progress) {
   const std::string chosen = id == "auto" ? automaticTracer(tracerFeatures(device)) : id;
   if (chosen == "embree") {
-    if (!embree) embree = std::make_shared<const EmbreeScene>(scene, progress);
+    if (!embree) embree = std::make_shared<EmbreeScene>(scene, progress);
     return makeEmbreeTracer(std::move(embree), pool);
   }
   if (chosen == "bvh") return makeBvhTracer(device, scene, gpuScene, pool, progress);
