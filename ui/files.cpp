@@ -1,7 +1,5 @@
 #include "ui/files.h"
 
-#include <QJsonDocument>
-#include <QJsonObject>
 #include <cctype>
 
 #include "engine/core/error.h"
@@ -9,6 +7,7 @@
 #include "engine/core/image_io.h"
 #include "engine/experiment/open_target.h"
 #include "engine/scene/scene_file.h"
+#include "engine/session/results_json.h"
 
 namespace hl::ui {
 
@@ -24,17 +23,7 @@ FileKind kindOfFile(const std::filesystem::path& path) {
   }
 }
 
-std::string provenanceJson(const FrameResult& f) {
-  const Provenance& p = f.provenance;
-  const auto text = [](const std::string& s) { return QString::fromStdString(s); };
-  const QJsonObject o{{"commit", text(p.commit)},       {"dirty", p.dirty},
-                      {"preset_hash", text(p.presetHash)}, {"scene_hash", text(p.sceneHash)},
-                      {"seed", static_cast<qint64>(p.seed)}, {"device", text(p.device)},
-                      {"driver", text(p.driver)},       {"api", text(p.api)},
-                      {"tracer", text(p.tracer)},       {"timing", text(p.timing)},
-                      {"image_hash", text(f.displayHash)}};
-  return QJsonDocument(o).toJson(QJsonDocument::Compact).toStdString();
-}
+std::string provenanceJson(const FrameResult& f) { return hl::provenanceJson(f.provenance, f.displayHash); }
 
 void writeScreenshot(const FrameResult& frame, const Preset& preset, const std::filesystem::path& path) {
   if (frame.display.empty()) throw Error(ErrorKind::Run, "screenshot: there is no frame yet");

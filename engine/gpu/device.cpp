@@ -209,7 +209,6 @@ const DeviceInfo& Device::info() const { return impl_->survey.info; }
 bool Device::isCpu() const { return impl_->cpu; }
 bool Device::timestampsSupported() const { return impl_->survey.timestampBits > 0; }
 bool Device::rayPipelines() const { return impl_->survey.rayPipelines; }
-bool Device::rayQueries() const { return impl_->survey.rayQueries; }
 const std::string& Device::noPresentation() const { return impl_->noPresentation; }
 std::shared_ptr<void> Device::vulkanInstance() const { return {impl_->instance, impl_->instance->handle()}; }
 uint64_t Device::maxStorageBufferBytes() const { return impl_->survey.properties.limits.maxStorageBufferRange; }

@@ -40,7 +40,6 @@ class Device {
   bool isCpu() const;
   bool timestampsSupported() const;
   bool rayPipelines() const;  ///< acceleration structures and FrameGraph::rays work
-  bool rayQueries() const;    ///< the driver offers them; the engine uses none
   /// Why there can be no Swapchain (swapchain.h); "" where there can.
   const std::string& noPresentation() const;
   /// The VkInstance, for a window toolkit to make a surface with. It lives as long as any copy of this.

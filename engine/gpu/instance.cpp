@@ -269,8 +269,7 @@ DeviceSurvey survey(VkPhysicalDevice physical) {
   s.info.features.emplace_back("timestamps", s.timestampBits > 0);
   s.info.features.emplace_back("float atomics", s.floatAtomics);
   s.info.features.emplace_back("ray tracing pipelines", s.rayPipelines);
-  s.rayQueries = has(VK_KHR_RAY_QUERY_EXTENSION_NAME);
-  s.info.features.emplace_back("ray queries", s.rayQueries);
+  s.info.features.emplace_back("ray queries", has(VK_KHR_RAY_QUERY_EXTENSION_NAME));
   return s;
 }
 

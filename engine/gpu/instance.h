@@ -56,7 +56,6 @@ struct DeviceSurvey {
   uint64_t maxBufferSize = 0;
   /// Ray tracing pipelines with their acceleration structures and device addresses, all of them or none.
   bool rayPipelines = false;
-  bool rayQueries = false;  ///< VK_KHR_ray_query is there
   VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayProperties{};
   uint32_t scratchAlignment = 1;
   bool swapchains = false;

@@ -18,8 +18,8 @@ constexpr float kSameNormal = 0.9f, kSamePlane = 0.1f;
 constexpr int kFewest = 4, kFewestForSlope = 8;
 // Added to the squared offsets, so that neighbours in a row leave the slope across it at 0.
 constexpr double kLevelling = 0.5;
-// Darker than the guess by more than so many standard deviations: then the guess is wrong.
-constexpr double kDarkByLuck = 3;
+// Darker than the guess by so many standard deviations can be luck; by so many more the guess is wrong, and the pixel is believed.
+constexpr double kLuck = 3, kNoLuck = 5;
 
 /// In units in which the reference is smooth across a surface: without the offset, over the gain.
 struct Sample {
@@ -140,11 +140,15 @@ CalmedReference calmedReference(const ReferenceImage& reference, const std::vect
         weightSquares += n.weight * n.weight;
       }
       variance /= neighbours.count + 1;
-      const double gain = static_cast<double>(in.gain(i, c)), deviation = gain * std::sqrt(variance), ofGuess = weightSquares * variance;
+      const double gain = static_cast<double>(in.gain(i, c)), ofGuess = weightSquares * variance;
+      double deviation = gain * std::sqrt(variance);
       guess = static_cast<double>(in.offset(i, c)) + gain * guess;
       const double level = std::max(guess, gain * std::sqrt(ofGuess)), r = static_cast<double>(reference.mean.pixel(x, y)[c]);
-      const double missing = std::max(level - r - kDarkByLuck * deviation, 0.0);
-      const double own = deviation > 0 ? std::min(1.0, kOwnNoise * level / (deviation + kOwnNoise * missing)) : 1;
+      // A dark pixel's noise is less than its neighbours', by as much as it is darker.
+      const double surely = deviation > 0 ? std::clamp(((level - r) / deviation - kLuck) / (kNoLuck - kLuck), 0.0, 1.0) : 0;
+      const double darker = level > 0 ? std::clamp(r / level, 0.0, 1.0) : 1;
+      const double calm = deviation > 0 ? std::min(1.0, kOwnNoise * level / deviation) : 1, own = calm + (1 - calm) * surely;
+      deviation *= 1 - surely * (1 - darker);
       out.guess.pixel(x, y)[c] = static_cast<float>(guess);
       out.own.pixel(x, y)[c] = static_cast<float>(own);
       out.variance.pixel(x, y)[c] = static_cast<float>(deviation * deviation);

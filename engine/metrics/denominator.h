@@ -17,8 +17,8 @@ struct CalmedReference {
 /// Where a reference pixel is dark by the luck of few paths, 1/r^2 is wildly too large; and even a little of the noise that the denominator shares with
 /// the term above it outweighs a small error. The guess is a plane fitted to the other pixels of 5 x 5 that lie on the same surface (those whose normals and
 /// positions say so, where the reference knows them), read off at the pixel: its noise is not the term's. Of the pixel's own value goes in as much as keeps
-/// its noise at kOwnNoise of the denominator's root; that share's correlation with the term is known to second order, and the metric takes it out. In the limit it is
-/// the plain definition. Pixels without weight, and such as are not finite, are left out.
+/// its noise at kOwnNoise of the guess; and all of it where it is so much darker than the guess that it cannot be by luck. The share's correlation with the term is known to second
+/// order, and the metric takes it out. In the limit it is the plain definition. Pixels without weight, and such as are not finite, are left out.
 CalmedReference calmedReference(const ReferenceImage& reference, const std::vector<double>& weights, TaskPool* pool);
 
 /// Relative standard deviation.

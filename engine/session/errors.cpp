@@ -116,6 +116,7 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   for (auto& [name, part] : s.regionMasks(options.mask)) regions.push_back(name), parts.push_back(std::move(part));
 
   const auto ofIndirect = surfaces.ofReference(false), ofFinal = surfaces.ofReference(true);
+  const ReferenceImage sun = s.full.result->directImage();  // direct light is no technique's: the matched reference's, of front faces or other normals, is not what is shown
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
   const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets);
@@ -125,7 +126,6 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
-    const ReferenceImage sun = run.result->directImage();
     ReferenceImage whole = surfaces.composite(sun, truth);
     whole.surfaces = ofFinal;
     truth.surfaces = ofIndirect;

@@ -138,7 +138,8 @@ class Session {
   void useProgress(std::shared_ptr<Progress>);
 
   // Edits. Each is checked here and takes effect at the next frame; one that throws Error(BadInput) leaves everything as it was.
-  void load(const Preset&, Progress* = nullptr);
+  /// `loaded`: the preset's scene, as loadScene() gives it, where the caller has it already.
+  void load(const Preset&, Progress* = nullptr, const std::shared_ptr<const Scene>& loaded = nullptr);
   void setScene(const std::string& nameOrPath, Progress* = nullptr);  ///< keeps technique, parameters and display
   void setTechnique(const std::string& id);
   void setParam(const std::string& key, const std::string& text);

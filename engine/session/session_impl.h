@@ -21,6 +21,10 @@ struct ReferenceRun {
   std::shared_ptr<const ReferenceResult> result;  ///< of the last whole pass
   double ms = 0;                                  ///< spent on it here
 
+  /// From what the cache holds of it; nothing where it has been started.
+  void start(const std::shared_ptr<const EmbreeScene>&, std::vector<Receiver>, int width, int height, const ReferenceSettings&, TaskPool&);
+  /// A unit. The last one puts it into the cache.
+  void advance(Progress&);
   /// Forgets it; what was traced goes to the cache first where it took long enough to be missed.
   void drop();
 };

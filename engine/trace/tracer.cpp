@@ -1,5 +1,7 @@
 #include "engine/trace/tracer.h"
 
+#include <algorithm>
+
 #include "engine/core/error.h"
 #include "engine/trace/backends.h"
 
@@ -38,7 +40,11 @@ std::vector<TracerListing> listTracers(const Device& device) {
   return {{"embree", true, ""}, {"bvh", true, ""}, {"pipeline", rays, rays ? "" : "this device has no ray tracing pipelines"}};
 }
 
-TracerFeatures tracerFeatures(const Device& device) { return {device.isCpu(), device.rayPipelines(), device.rayQueries()}; }
+TracerFeatures tracerFeatures(const Device& device) {
+  const auto& features = device.info().features;  // the engine uses no queries: they are only listed
+  const auto queries = std::find_if(features.begin(), features.end(), [](const auto& f) { return f.first == "ray queries"; });
+  return {device.isCpu(), device.rayPipelines(), queries != features.end() && queries->second};
+}
 
 const char* automaticTracer(const TracerFeatures& f) { return f.cpu ? "embree" : f.rayPipelines && f.rayQueries ? "pipeline" : "bvh"; }
 

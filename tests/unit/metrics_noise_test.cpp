@@ -278,6 +278,7 @@ TEST(Denominator, OfANoisyReferenceLeavesTheValueNearItsTruth) {
 TEST(Denominator, KeepsToThePixelsOwnSurface) {
   constexpr int kLine = kWidth / 2;
   constexpr float kBright = 2, kDark = 0.2f;
+  constexpr int kPaths = 16;  // so few that a dark pixel could be one by luck
   ReferenceSurfaces surfaces{Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3), {}, {}};
   Image value(kWidth, kHeight, 3);
   for (int y = 0; y < kHeight; ++y)
@@ -300,7 +301,7 @@ TEST(Denominator, KeepsToThePixelsOwnSurface) {
         for (int c = 0; c < 3; ++c) {
           const float level = x < kLine ? kBright : kDark;
           float &a = reference.halfA.pixel(x, y)[c], &b = reference.halfB.pixel(x, y)[c];
-          a = fewPaths(level, 64, random), b = fewPaths(level, 64, random);
+          a = fewPaths(level, kPaths, random), b = fewPaths(level, kPaths, random);
           reference.mean.pixel(x, y)[c] = (a + b) / 2, exact.mean.pixel(x, y)[c] = level;
         }
     truth = measure("relmse", value, {exact.mean, {}, {}}).value;
@@ -309,8 +310,33 @@ TEST(Denominator, KeepsToThePixelsOwnSurface) {
     known.add(measure("relmse", value, reference).value);
   }
   std::printf("truth %.4f, surfaces known %.4f +- %.4f, unknown %.4f +- %.4f\n", truth, known.mean(), known.errorOfMean(), unknown.mean(), unknown.errorOfMean());
-  EXPECT_NEAR(known.mean(), truth, 0.1 * truth + 3 * known.errorOfMean());
-  EXPECT_LT(unknown.mean(), 0.5 * truth);
+  EXPECT_NEAR(known.mean(), truth, 0.15 * truth + 3 * known.errorOfMean());
+  EXPECT_LT(unknown.mean(), 0.6 * truth);
+}
+
+// One dark pixel in a bright surface, as where another object covers it. It cannot be dark by luck: so it is believed long before the reference is certain of it.
+TEST(Denominator, BelievesAPixelThatCannotBeDarkByLuck) {
+  constexpr float kDark = 0.02f, kBright = 2;
+  Image value(kWidth, kHeight, 3);
+  for (float& x : value.data) x = kBright;
+  Statistics estimates;
+  double truth = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    ReferenceImage reference{value, value, value}, exact{value, {}, {}};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const float level = x % 8 == 4 && y % 8 == 4 ? kDark : kBright;
+          float &a = reference.halfA.pixel(x, y)[c], &b = reference.halfB.pixel(x, y)[c];
+          a = fewPaths(level, 256, random), b = fewPaths(level, 256, random);
+          reference.mean.pixel(x, y)[c] = (a + b) / 2, exact.mean.pixel(x, y)[c] = level;
+        }
+    truth = measure("relmse", value, exact).value;
+    estimates.add(measure("relmse", value, reference).value);
+  }
+  std::printf("truth %.2f, estimate %.2f +- %.2f\n", truth, estimates.mean(), estimates.errorOfMean());
+  EXPECT_NEAR(estimates.mean(), truth, 0.1 * truth + 3 * estimates.errorOfMean());
 }
 
 TEST(Denominator, OfAConvergedReferenceIsThePlainOne) {
