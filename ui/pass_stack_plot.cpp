@@ -26,9 +26,7 @@ PassStackPlot::PassStackPlot(Of of, PassPalette& passes, QWidget* parent)
     : SweepPlot(of == Of::Frame ? QStringLiteral("passes_frame") : QStringLiteral("passes_work"),
                 of == Of::Frame ? tr("Times of a frame by pass") : tr("Times of a unit of work by pass"), parent),
       of_(of),
-      palette_(passes) {
-  plot_->axisRect()->setupFullAxesBox();
-}
+      palette_(passes) {}
 
 QSize PassStackPlot::pictureSize() const {
   const int legend = (static_cast<int>(order_.size()) / kLegendColumns + 1) * kLegendRow;
