@@ -73,6 +73,7 @@ void PassStackPlot::draw() {
   for (size_t row = 0; row < rows_.size(); ++row) labels->addTick(static_cast<double>(row), shortened(labelOf(rows_[row])));
   plot_->yAxis->setTicker(QSharedPointer<QCPAxisTicker>(labels));
   plot_->yAxis->setSubTicks(false);
+  plot_->yAxis->setTickLength(0, 3);  // outside: inside, they would lie on the bars
   std::vector<double> ends(rows_.size(), 0);
   QCPBars* below = nullptr;
   for (const std::string& pass : order_) {
