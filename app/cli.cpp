@@ -85,8 +85,13 @@ void defineRender(CLI::App& app, RenderOptions& o) {
   repeated(c, "--metrics", o.metrics, "Errors against the matched and the full reference: relmse,bias,...")
       ->delimiter(',');
   repeated(c, "--errors-of", o.errorTargets, "What they are measured on: image, lightmap")->delimiter(',');
+  c->add_flag("--play", o.play, "The scene's time runs: frame n is at the start plus n / rate seconds. Needs --frames");
+  c->add_option("--time", o.time, "Where the time starts, or stands [s]")->check(finiteNumber(0, 1e5));
+  c->add_option("--rate", o.rate, "Frames a second of the scene's time")->check(finiteNumber(1e-3, 1e4));
+  c->add_option("--camera-path", o.cameraPath, "One of the scene's recorded flights, in place of the camera");
   c->add_option("--flicker", o.flicker, "How much the settled picture varies over so many further frames")->check(wholeNumber(2, 1'000'000));
-  c->add_option("--step", o.step, "How long the indirect light takes to follow: lights=FACTOR (all lights and the sky), or KEY=VALUE of a parameter");
+  c->add_option("--step", o.step, "How long the indirect light takes to follow: lights=FACTOR (all lights and the sky), time=SECONDS (the scene's animations), "
+                "camera=NAME (a cut), or KEY=VALUE of a parameter");
   c->add_option("--out", o.out, "Folder for result.json, the picture and the linear images");
 }
 

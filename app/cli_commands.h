@@ -30,6 +30,9 @@ struct RenderOptions {
   std::optional<uint32_t> seed;
   std::string view;
   std::optional<float> exposure;
+  bool play = false;
+  std::optional<float> time, rate;
+  std::string cameraPath;
   std::optional<int> flicker;
   std::string step;
   std::string out;

@@ -165,7 +165,7 @@ void traceScene(Report& report, Device& device, ShaderLibrary& shaders, const st
   report.scene = scene.name, report.triangles = scene.triangles(), report.rays = rays;
   TaskPool pool;
   const GpuScene gpuScene = uploadScene(device, scene);
-  const auto embree = std::make_shared<const EmbreeScene>(scene, &progress);
+  const auto embree = std::make_shared<EmbreeScene>(scene, &progress);
   const SurfacePoints points(scene);
   if (points.empty()) throw badInput(fmt::format("{}: a scene without surfaces has no rays to time", name));
   const Buffer gather =

@@ -27,6 +27,11 @@ Preset wantedPreset(const RenderOptions& o) {
   setResolution(preset, o.resolution);
   if (o.seed) preset.seed = *o.seed;
   if (!o.camera.empty()) preset.cameraName = o.camera, preset.camera.reset();
+  if (!o.camera.empty()) preset.animation.cameraPath.clear();
+  if (o.play) preset.animation.play = true;
+  if (o.time) preset.animation.start = *o.time;
+  if (o.rate) preset.animation.rate = *o.rate;
+  if (!o.cameraPath.empty()) preset.animation.cameraPath = o.cameraPath;
   if (!o.view.empty()) preset.display.view = o.view;
   if (o.exposure) preset.display.exposure = *o.exposure;
   setParameters(preset, o.set);
@@ -34,7 +39,7 @@ Preset wantedPreset(const RenderOptions& o) {
   for (const std::string& target : o.errorTargets)
     if (target != "image" && target != "lightmap")
       throw badInput(fmt::format("--errors-of {}: image or lightmap is wanted", target));
-  if (!o.step.empty() && !parseStep(o.step).ofLights()) {
+  if (!o.step.empty() && parseStep(o.step).ofParameter()) {
     Preset stepped = preset;
     setParameters(stepped, {o.step});
   }

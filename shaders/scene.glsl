@@ -7,6 +7,7 @@
 //   HL_SCENE_UVS         uvs (indices)
 //   HL_SCENE_MATERIALS   materials, material_ids
 //   HL_SCENE_OBJECTS     object_ids
+//   HL_SCENE_TRANSFORMS  object_transforms
 //   HL_SCENE_TEXTURES    textures
 //   HL_SCENE_LIGHTS      lights
 //   HL_SCENE_EMITTERS    emitters
@@ -80,6 +81,10 @@ bool isEmissive(GpuMaterial m) { return (m.flags & kMaterialEmissive) != 0u; }
 
 #ifdef HL_SCENE_OBJECTS
 layout(scalar) readonly buffer object_ids { uint objectIds[]; };
+#endif
+
+#ifdef HL_SCENE_TRANSFORMS
+layout(scalar) readonly buffer object_transforms { ObjectTransform objectTransforms[]; };
 #endif
 
 #ifdef HL_SCENE_LIGHTS

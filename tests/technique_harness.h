@@ -108,7 +108,7 @@ class TechniqueHarness {
   std::unique_ptr<ShaderLibrary> shaders;
   std::unique_ptr<FrameGraph> graph;
   GpuScene gpuScene;
-  std::shared_ptr<const EmbreeScene> embree;
+  std::shared_ptr<EmbreeScene> embree;
   std::unique_ptr<Tracer> tracer;
   std::unique_ptr<DirectLight> directLight;
   Atlas atlas;

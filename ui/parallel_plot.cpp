@@ -19,6 +19,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNowhere = -0.1;  // where a line passes an axis that it has no value on
 constexpr double kNear = 8, kOnAxis = 7;  // pixels
 constexpr double kLeastBrush = 0.02;
+constexpr double kDash = 0.02;  // of the way to the next axis
+constexpr int kFaded = 18;      // alpha
 constexpr int kColumnWidth = 150, kHeight = 420;  // of a picture
 constexpr int kMostTicks = 12;
 
@@ -116,19 +118,38 @@ void ParallelPlot::draw() {
     lines_.push_back(std::move(line));
   }
   drawColumns();
-  const std::pair<FrontPlace, QString> places[] = {{FrontPlace::On, tr("on the front")}, {FrontPlace::Within, tr("within its error bars")}, {FrontPlace::Off, tr("dominated")}};
-  for (const auto& [place, name] : places)
-    for (const Line& line : lines_)
-      if (line.place == place) {
-        line.graph->setName(name);
-        line.graph->addToLegend();
-        break;
-      }
+  addLegend();
   plot_->legend->setWrap(4);
   QStringList notes;
   if (nowhere) notes << tr("Below an axis: no value there.");
   if (const size_t missing = r.plan.size() - r.done()) notes << tr("%1 of %2 runs are missing.").arg(missing).arg(r.plan.size());
   note_ = notes.join(QLatin1Char(' '));
+}
+
+QPen ParallelPlot::penOf(FrontPlace place, QColor colour) const {
+  if (place == FrontPlace::Off) colour = ink();
+  colour.setAlpha(place == FrontPlace::On ? 255 : place == FrontPlace::Within ? 150 : 70);
+  return {colour, place == FrontPlace::On ? 2.2 : 1.2, place == FrontPlace::Within ? Qt::DashLine : Qt::SolidLine};
+}
+
+/// Graphs without data, for their entries.
+void ParallelPlot::addLegend() {
+  const auto entry = [&](const QString& name, const QPen& pen) {
+    QCPGraph* g = plot_->addGraph();
+    g->setName(name);
+    g->setPen(pen);
+    g->addToLegend();
+  };
+  std::vector<std::string> techniques;
+  for (const Line& line : lines_)
+    if (const std::string& t = view_->results.configurations[line.configuration].preset.technique; line.place != FrontPlace::Off && std::find(techniques.begin(), techniques.end(), t) == techniques.end()) techniques.push_back(t);
+  std::sort(techniques.begin(), techniques.end());
+  if (techniques.size() > 1)
+    for (const std::string& t : techniques) entry(QString::fromStdString(t), penOf(FrontPlace::On, techniques_.of(t)));
+  const std::pair<FrontPlace, QString> places[] = {{FrontPlace::On, tr("on the front")}, {FrontPlace::Within, tr("within its error bars")}, {FrontPlace::Off, tr("dominated")}};
+  for (const auto& [place, name] : places)
+    if (std::any_of(lines_.begin(), lines_.end(), [at = place](const Line& line) { return line.place == at; }))
+      entry(name, penOf(place, techniques.size() == 1 ? techniques_.of(techniques.front()) : ink()));
 }
 
 void ParallelPlot::drawColumns() {
@@ -154,9 +175,6 @@ void ParallelPlot::highlight() {
   small.setPointSizeF(small.pointSizeF() * 0.9);
   for (size_t i = 0; i < columns_.size(); ++i) {
     const double x = static_cast<double>(i);
-    auto* axis = new QCPItemLine(plot_);
-    axis->start->setCoords(x, 0), axis->end->setCoords(x, 1);
-    axis->setPen(QPen(ink(), 1));
     if (const auto brush = brushes_.find(i); brush != brushes_.end()) {
       auto* part = new QCPItemLine(plot_);
       part->start->setCoords(x, brush->second.first), part->end->setCoords(x, brush->second.second);
@@ -175,14 +193,21 @@ void ParallelPlot::highlight() {
       QColor behind = ground();
       behind.setAlpha(190);
       tick->setBrush(QBrush(behind));
+      auto* dash = new QCPItemLine(plot_);
+      dash->start->setCoords(x - kDash, place), dash->end->setCoords(x, place);
+      dash->setPen(QPen(ink(), 1));
     }
+    auto* axis = new QCPItemLine(plot_);  // over what lies behind the labels
+    axis->start->setCoords(x, 0), axis->end->setCoords(x, 1);
+    axis->setPen(QPen(ink(), 1));
   }
   for (const Line& line : lines_) {
-    QColor colour = techniques_.of(view_->results.configurations[line.configuration].preset.technique);
-    if (line.place == FrontPlace::Off) colour = ink();
-    const bool away = isBrushedAway(line.configuration);
-    colour.setAlpha(away ? 18 : line.place == FrontPlace::On ? 255 : line.place == FrontPlace::Within ? 120 : 60);
-    QPen pen(colour, line.place == FrontPlace::On ? 2.2 : 1.2, line.place == FrontPlace::Within ? Qt::DashLine : Qt::SolidLine);
+    QPen pen = penOf(line.place, techniques_.of(view_->results.configurations[line.configuration].preset.technique));
+    if (isBrushedAway(line.configuration)) {
+      QColor faded = pen.color();
+      faded.setAlpha(kFaded);
+      pen.setColor(faded);
+    }
     if (selected_ && line.configuration == *selected_) pen = QPen(ink(), 3.5);
     line.graph->setPen(pen);
   }

@@ -1,5 +1,6 @@
 #pragma once
 // Parallel coordinates: what was varied, what it costs and how wrong it is, a line a configuration.
+#include <QPen>
 #include <map>
 #include <utility>
 
@@ -47,6 +48,8 @@ class ParallelPlot : public SweepPlot {
   void addVaried();
   void addMeasured(const Front&);
   void drawColumns();
+  void addLegend();
+  QPen penOf(FrontPlace, QColor technique) const;
   std::optional<size_t> columnAt(QPointF pixel) const;
 
   PassPalette& techniques_;

@@ -26,9 +26,7 @@ PassStackPlot::PassStackPlot(Of of, PassPalette& passes, QWidget* parent)
     : SweepPlot(of == Of::Frame ? QStringLiteral("passes_frame") : QStringLiteral("passes_work"),
                 of == Of::Frame ? tr("Times of a frame by pass") : tr("Times of a unit of work by pass"), parent),
       of_(of),
-      palette_(passes) {
-  plot_->axisRect()->setupFullAxesBox();
-}
+      palette_(passes) {}
 
 QSize PassStackPlot::pictureSize() const {
   const int legend = (static_cast<int>(order_.size()) / kLegendColumns + 1) * kLegendRow;
@@ -75,6 +73,7 @@ void PassStackPlot::draw() {
   for (size_t row = 0; row < rows_.size(); ++row) labels->addTick(static_cast<double>(row), shortened(labelOf(rows_[row])));
   plot_->yAxis->setTicker(QSharedPointer<QCPAxisTicker>(labels));
   plot_->yAxis->setSubTicks(false);
+  plot_->yAxis->setTickLength(0, 3);  // outside: inside, they would lie on the bars
   std::vector<double> ends(rows_.size(), 0);
   QCPBars* below = nullptr;
   for (const std::string& pass : order_) {

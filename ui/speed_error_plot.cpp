@@ -18,8 +18,8 @@ constexpr double kMark = 8, kRing = 17;     // pixels
 constexpr double kLongestBar = 4;           // of an error bar's end, as a factor to the points: beyond, it leaves the picture
 constexpr int kFaint = 110;                 // alpha
 constexpr int kLegendColumns = 3;
-const QCPScatterStyle::ScatterShape kShapes[] = {QCPScatterStyle::ssDisc, QCPScatterStyle::ssSquare, QCPScatterStyle::ssDiamond, QCPScatterStyle::ssTriangle,
-                                                 QCPScatterStyle::ssTriangleInverted, QCPScatterStyle::ssStar};
+const QCPScatterStyle::ScatterShape kShapes[] = {QCPScatterStyle::ssCircle, QCPScatterStyle::ssSquare, QCPScatterStyle::ssDiamond, QCPScatterStyle::ssTriangle,
+                                                 QCPScatterStyle::ssTriangleInverted};
 
 QColor faint(QColor c) {
   c.setAlpha(kFaint);
@@ -27,7 +27,6 @@ QColor faint(QColor c) {
 }
 
 QCPScatterStyle markOf(FrontPlace place, QCPScatterStyle::ScatterShape shape, const QColor& colour, const QColor& ink, const QColor& ground) {
-  if (shape == QCPScatterStyle::ssDisc) shape = QCPScatterStyle::ssCircle;  // the one that has an outline and a filling
   switch (place) {
     case FrontPlace::On:
       return {shape, QPen(ink, 1.4), QBrush(colour), kMark};
@@ -100,10 +99,10 @@ void SpeedErrorPlot::draw() {
   for (const FrontPoint& p : front_.points)
     if (const std::string& t = r.configurations[p.configuration].preset.technique; std::find(techniques.begin(), techniques.end(), t) == techniques.end()) techniques.push_back(t);
   std::sort(techniques.begin(), techniques.end());
-  for (const std::string& t : techniques) {
+  for (size_t i = 0; i < techniques.size(); ++i) {
     QCPGraph* best = nullptr;
     for (const FrontPlace place : {FrontPlace::Off, FrontPlace::Within, FrontPlace::On})  // the front on top
-      if (QCPGraph* g = drawPoints(t, place)) best = g;
+      if (QCPGraph* g = drawPoints(techniques[i], i, place)) best = g;
     if (best) best->addToLegend();
   }
   drawLegendOfPlaces();
@@ -122,12 +121,9 @@ void SpeedErrorPlot::drawErrorBars(QCPGraph& graph, const QVector<double>& below
   bars->setSymbolGap(0);
 }
 
-QCPGraph* SpeedErrorPlot::drawPoints(const std::string& technique, FrontPlace place) {
+QCPGraph* SpeedErrorPlot::drawPoints(const std::string& technique, size_t index, FrontPlace place) {
   const SweepResults& r = view_->results;
   const QColor colour = techniques_.of(technique);
-  size_t slot = 0;
-  for (const char c : technique) slot = slot * 31 + static_cast<unsigned char>(c);
-  const auto shape = kShapes[slot % std::size(kShapes)];
   QVector<double> x, y, left, right, down, up;
   for (const FrontPoint& p : front_.points) {
     if (p.place != place || r.configurations[p.configuration].preset.technique != technique || !has(p.point)) continue;
@@ -149,7 +145,7 @@ QCPGraph* SpeedErrorPlot::drawPoints(const std::string& technique, FrontPlace pl
   g->setName(QString::fromStdString(technique));
   g->setLineStyle(QCPGraph::lsNone);
   g->setPen(QPen(colour));
-  g->setScatterStyle(markOf(place, shape, colour, ink(), ground()));
+  g->setScatterStyle(markOf(place, kShapes[index % std::size(kShapes)], colour, ink(), ground()));
   g->setData(x, y, true);
   drawErrorBars(*g, left, right, true);
   drawErrorBars(*g, down, up, false);

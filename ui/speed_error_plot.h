@@ -31,8 +31,8 @@ class SpeedErrorPlot : public SweepPlot {
   void highlight() override;
 
  private:
-  /// Null where there is none.
-  QCPGraph* drawPoints(const std::string& technique, FrontPlace);
+  /// `index`: of the technique among those here, for its shape. Null where there is none.
+  QCPGraph* drawPoints(const std::string& technique, size_t index, FrontPlace);
   void drawFront();
   void drawTracers();
   void drawLegendOfPlaces();

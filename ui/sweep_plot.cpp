@@ -36,6 +36,7 @@ SweepPlot::SweepPlot(const QString& id, const QString& accessibleName, QWidget* 
   plot_->axisRect()->insetLayout()->take(plot_->legend);
   plot_->plotLayout()->addElement(2, 0, plot_->legend);
   plot_->legend->setFillOrder(QCPLayoutGrid::foColumnsFirst);
+  plot_->legend->setMaximumSize(QWIDGETSIZE_MAX - 1, QWIDGETSIZE_MAX - 1);  // without entries it would squeeze all that is above it to its own width
   plot_->legend->setMargins(QMargins(8, 0, 8, 2));
   noteLine_ = new QCPTextElement(plot_);
   plot_->plotLayout()->addElement(3, 0, noteLine_);

@@ -21,12 +21,22 @@ struct LightEdits {
   vec3 sky{0.0f};
 };
 
+/// How the scene's time runs. Frame n of a run that plays is at start + n / rate seconds; one that does not play stays at `start`.
+struct Playback {
+  bool play = false;
+  float start = 0;         ///< [s], from 0 on
+  float rate = 30;         ///< frames a second of the scene's time
+  std::string cameraPath;  ///< one of the scene's, which then holds the camera; "" for none
+  bool operator==(const Playback&) const = default;
+};
+
 struct Preset {
   std::string scene = "cornell_box";
   std::string cameraName;            ///< a camera of the scene; "" the first
   std::optional<Camera> camera;      ///< set when it was moved: written in place of the name
   std::optional<LightEdits> lights;  ///< JSON key "lights": the whole set, in place of the scene's
   std::optional<std::vector<Region>> regions;  ///< of interest, in place of the scene's; no picture depends on them
+  Playback animation;
   int width = 640, height = 360;
   uint32_t seed = 1;
   std::string technique = "radiosity";

@@ -6,6 +6,7 @@ namespace hl {
 
 inline constexpr int kMaxPresetSide = 8192;  ///< pixels; the session's limit
 inline constexpr int kMaxExposure = 64;      ///< stops
+inline constexpr float kLowestRate = 1e-3f, kHighestRate = 1e4f;  ///< of an animation, frames a second
 
 /// In the order of ToneMap.
 inline constexpr const char* kToneMapNames[] = {"linear", "aces", "reinhard"};

@@ -12,6 +12,7 @@
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
 #include "engine/metrics/metrics.h"
+#include "engine/scene/animation.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -24,7 +25,7 @@ class PresetReader {
 
   void read(const JsonReader& root) {
     known(root,
-          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "regions", "display"});
+          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "animation", "regions", "display"});
     preset_.scene = root.at("scene").text();
     if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
     if (root.has("camera")) readCamera(root.at("camera"));
@@ -35,6 +36,7 @@ class PresetReader {
     if (root.has("seed")) preset_.seed = static_cast<uint32_t>(root.at("seed").whole(0, 0xffffffffLL));
     if (root.has("technique")) readTechnique(root.at("technique"));
     if (root.has("parameters")) readParameters(root.at("parameters"));
+    if (root.has("animation")) readAnimation(root.at("animation"));
     if (root.has("regions")) readRegions(root.at("regions"));
     if (root.has("display")) readDisplay(root.at("display"));
   }
@@ -117,6 +119,16 @@ class PresetReader {
       throw node.refused(e.what());
     }
     preset_.regions = regions;
+  }
+
+  void readAnimation(const JsonReader& node) {
+    node.wantObject();
+    known(node, {"play", "start", "rate", "camera_path"});
+    Playback& p = preset_.animation;
+    if (node.has("play")) p.play = node.at("play").boolean();
+    if (node.has("start")) p.start = node.at("start").number(0, kLongestAnimation);
+    if (node.has("rate")) p.rate = node.at("rate").number(kLowestRate, kHighestRate);
+    if (node.has("camera_path")) p.cameraPath = node.at("camera_path").text();
   }
 
   static float angle(const JsonReader& node, float low, float high) {

@@ -8,6 +8,7 @@
 #include "engine/experiment/preset_names.h"
 #include "engine/params/groups.h"
 #include "engine/metrics/metrics.h"
+#include "engine/scene/animation.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -135,6 +136,11 @@ std::string presetSchema() {
        {{"type", "string"}, {"minLength", 1}, {"description", "A scene's name, or the path of a scene or mesh file."}}},
       {"camera", cameraSchema()},
       {"lights", lightsSchema()},
+      {"animation",
+       objectSchema({{"play", {{"type", "boolean"}, {"default", false}, {"description", "Frame n is at start + n / rate seconds; else all are at start."}}},
+                     {"start", {{"type", "number"}, {"minimum", 0}, {"maximum", kLongestAnimation}, {"default", 0}, {"description", "[s]"}}},
+                     {"rate", {{"type", "number"}, {"minimum", kLowestRate}, {"maximum", kHighestRate}, {"default", defaults.animation.rate}, {"description", "Frames a second of the scene's time."}}},
+                     {"camera_path", {{"type", "string"}, {"description", "One of the scene's recorded flights, in place of the camera."}}}})},
       {"regions", regionsSchema()},
       {"sky", vectorSchema("Radiance [W/(sr m^2)] from where nothing is hit; comes with lights.")},
       {"resolution",

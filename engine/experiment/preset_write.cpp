@@ -94,6 +94,12 @@ Json regionsJson(const std::vector<Region>& regions) {
   return out;
 }
 
+Json animationJson(const Playback& p) {
+  Json out = {{"play", p.play}, {"start", number(p.start, "animation.start")}, {"rate", number(p.rate, "animation.rate")}};
+  if (!p.cameraPath.empty()) out["camera_path"] = p.cameraPath;
+  return out;
+}
+
 Json parametersJson(const Preset& preset, bool resolved) {
   const auto groups = parameterGroups(preset.technique);
   const auto changed = canonicalParameters(preset.technique, preset.parameters);
@@ -122,6 +128,7 @@ Json presetDocument(const Preset& preset, bool resolved) {
     out["lights"] = lightsJson(*preset.lights);
     out["sky"] = vector(preset.lights->sky, "sky");
   }
+  if (resolved || preset.animation != Playback{}) out["animation"] = animationJson(preset.animation);
   out["resolution"] = {preset.width, preset.height};
   out["seed"] = preset.seed;
   out["technique"] = preset.technique;

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <cstring>
+#include <algorithm>
 #include <vector>
 
 #include "engine/gpu/acceleration_impl.h"
@@ -27,10 +27,11 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags
 /// Storage, scratch and build of one level.
 AccelerationState::Level build(Device::Impl& device, const std::string& name, VkAccelerationStructureTypeKHR type,
                                const std::vector<VkAccelerationStructureGeometryKHR>& geometries, const std::vector<uint32_t>& counts,
-                               const std::vector<VkAccelerationStructureBuildRangeInfoKHR>& ranges) {
+                               const std::vector<VkAccelerationStructureBuildRangeInfoKHR>& ranges, AccelerationState::Recipe* again = nullptr) {
   VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
   info.type = type;
   info.flags = kFlags;
+  if (again != nullptr && type == VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR) info.flags |= VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
   info.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
   info.geometryCount = static_cast<uint32_t>(geometries.size());
   info.pGeometries = geometries.data();
@@ -48,7 +49,8 @@ AccelerationState::Level build(Device::Impl& device, const std::string& name, Vk
   device.name(VK_OBJECT_TYPE_ACCELERATION_STRUCTURE_KHR, reinterpret_cast<uint64_t>(level.handle), name);
 
   const uint64_t alignment = device.survey.scratchAlignment;
-  const Buffer scratch = device.makeBuffer(name + " scratch", sizes.buildScratchSize + alignment, TexelFormat::None, MemoryUse::Device);
+  const uint64_t scratchBytes = std::max(sizes.buildScratchSize, sizes.updateScratchSize) + alignment;
+  const Buffer scratch = device.makeBuffer(name + " scratch", scratchBytes, TexelFormat::None, MemoryUse::Device);
   info.dstAccelerationStructure = level.handle;
   info.scratchData.deviceAddress = aligned(device.address(scratch), alignment);
   device.once([&](VkCommandBuffer commands) {
@@ -61,7 +63,23 @@ AccelerationState::Level build(Device::Impl& device, const std::string& name, Vk
     barrier(commands, VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR, VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR,
             VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR, VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR);
   });
+  if (again != nullptr) *again = {type, info.flags, geometries, ranges, scratch, info.scratchData.deviceAddress};
   return level;
+}
+
+/// The level once more in its place: fitted to where its vertices are now, or built anew.
+void repeat(VkCommandBuffer commands, const AccelerationState::Level& level, const AccelerationState::Recipe& recipe, bool fit) {
+  VkAccelerationStructureBuildGeometryInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+  info.type = recipe.type;
+  info.flags = recipe.flags;
+  info.mode = fit ? VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR : VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+  info.srcAccelerationStructure = fit ? level.handle : VK_NULL_HANDLE;
+  info.dstAccelerationStructure = level.handle;
+  info.geometryCount = static_cast<uint32_t>(recipe.geometries.size());
+  info.pGeometries = recipe.geometries.data();
+  info.scratchData.deviceAddress = recipe.scratchAddress;
+  const VkAccelerationStructureBuildRangeInfoKHR* first = recipe.ranges.data();
+  vkCmdBuildAccelerationStructuresKHR(commands, 1, &info, &first);
 }
 
 VkAccelerationStructureGeometryKHR triangles(const Device::Impl& device, const TriangleGeometry& g) {
@@ -92,14 +110,18 @@ AccelerationState::Level::~Level() {
   if (handle != VK_NULL_HANDLE) vkDestroyAccelerationStructureKHR(device->device, handle, nullptr);
 }
 
-uint64_t AccelerationStructure::bytes() const { return state_ ? state_->bottom.storage.size() + state_->top.storage.size() : 0; }
+uint64_t AccelerationStructure::bytes() const {
+  if (!state_) return 0;
+  uint64_t sum = 0;
+  for (const Buffer* b : {&state_->bottom.storage, &state_->moving.storage, &state_->top.storage, &state_->movingRecipe.scratch, &state_->topRecipe.scratch})
+    if (*b) sum += b->size();
+  return sum;
+}
 
-AccelerationStructure Device::accelerationStructure(const std::string& name, std::span<const TriangleGeometry> list) {
-  Impl& device = *impl_;
-  if (!device.survey.rayPipelines)
-    throw Error(ErrorKind::Device, fmt::format("{}: {} has no ray tracing pipelines", name, device.survey.info.name));
-  auto state = std::make_shared<AccelerationState>();
+namespace {
 
+/// One bottom level.
+AccelerationState::Level bottomLevel(Device::Impl& device, const std::string& name, std::span<const TriangleGeometry> list, AccelerationState::Recipe* again) {
   std::vector<VkAccelerationStructureGeometryKHR> geometries;
   std::vector<uint32_t> counts;
   std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
@@ -108,27 +130,65 @@ AccelerationStructure Device::accelerationStructure(const std::string& name, std
     counts.push_back(g.triangleCount);
     ranges.push_back({g.triangleCount, g.firstTriangle * 3 * static_cast<uint32_t>(sizeof(uint32_t)), 0, 0});
   }
-  const bool any = !geometries.empty();
+  return build(device, name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, geometries, counts, ranges, again);
+}
+
+VkAccelerationStructureInstanceKHR instanceOf(const Device::Impl& device, const AccelerationState::Level& level, uint32_t number) {
   VkAccelerationStructureInstanceKHR instance{};
-  if (any) {
-    state->bottom = build(device, name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, geometries, counts, ranges);
-    VkAccelerationStructureDeviceAddressInfoKHR where{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
-    where.accelerationStructure = state->bottom.handle;
-    instance.accelerationStructureReference = vkGetAccelerationStructureDeviceAddressKHR(device.device, &where);
-  }
+  VkAccelerationStructureDeviceAddressInfoKHR where{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+  where.accelerationStructure = level.handle;
+  instance.accelerationStructureReference = vkGetAccelerationStructureDeviceAddressKHR(device.device, &where);
   for (int i = 0; i < 3; ++i) instance.transform.matrix[i][i] = 1;
+  instance.instanceCustomIndex = number & 0xffffffu;
   instance.mask = 0xff;
   instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
-  const Buffer instances = buffer(name + ": instances", sizeof instance);
-  upload(instances, &instance, sizeof instance);
+  return instance;
+}
+
+}  // namespace
+
+AccelerationStructure Device::accelerationStructure(const std::string& name, std::span<const TriangleGeometry> list,
+                                                    std::span<const TriangleGeometry> movingList) {
+  Impl& device = *impl_;
+  if (!device.survey.rayPipelines)
+    throw Error(ErrorKind::Device, fmt::format("{}: {} has no ray tracing pipelines", name, device.survey.info.name));
+  auto state = std::make_shared<AccelerationState>();
+  std::vector<VkAccelerationStructureInstanceKHR> instances;
+  if (!list.empty()) {
+    state->bottom = bottomLevel(device, name, list, nullptr);
+    instances.push_back(instanceOf(device, state->bottom, 0));
+  }
+  const bool moves = !movingList.empty();
+  if (moves) {
+    state->moving = bottomLevel(device, name + ": moving", movingList, &state->movingRecipe);
+    instances.push_back(instanceOf(device, state->moving, 1));
+    state->movingVertices = movingList.front().vertices;
+    for (const TriangleGeometry& g : movingList) state->inputs.push_back(g.vertices), state->inputs.push_back(g.indices);
+  }
+  const auto count = static_cast<uint32_t>(instances.size());
+  instances.resize(std::max<size_t>(1, instances.size()));
+  const Buffer placed = buffer(name + ": instances", std::span<const VkAccelerationStructureInstanceKHR>(instances));
+  if (moves) state->inputs.push_back(placed);
 
   VkAccelerationStructureGeometryKHR top{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
   top.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
   top.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
-  top.geometry.instances.data.deviceAddress = device.address(instances);
-  const uint32_t count = any ? 1 : 0;
-  state->top = build(device, name + ": top level", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, {top}, {count}, {{count, 0, 0, 0}});
+  top.geometry.instances.data.deviceAddress = device.address(placed);
+  state->top = build(device, name + ": top level", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, {top}, {count}, {{count, 0, 0, 0}},
+                     moves ? &state->topRecipe : nullptr);
   return AccelerationStructure(std::move(state));
+}
+
+void recordUpdate(VkCommandBuffer commands, AccelerationState& state) {
+  constexpr VkPipelineStageFlags2 kBuild = VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR;
+  constexpr VkAccessFlags2 kRead = VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR, kWrite = VK_ACCESS_2_ACCELERATION_STRUCTURE_WRITE_BIT_KHR;
+  // After the rays of before, and after the build of before, whose scratch memory this one uses.
+  barrier(commands, VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR | kBuild, kWrite, kBuild, kRead | kWrite);
+  const bool fit = ++state.updates % kUpdatesABuild != 0;
+  repeat(commands, state.moving, state.movingRecipe, fit);
+  barrier(commands, kBuild, kWrite, kBuild, kRead | kWrite);
+  repeat(commands, state.top, state.topRecipe, false);
+  barrier(commands, kBuild, kWrite, VK_PIPELINE_STAGE_2_RAY_TRACING_SHADER_BIT_KHR, kRead);
 }
 
 }  // namespace hl

@@ -10,7 +10,7 @@ namespace hl {
 
 struct AccelerationState;
 
-/// One top-level structure over one bottom-level structure; copies of the handle share it.
+/// One top-level structure over one bottom-level structure, and over a second one where there is geometry that moves; copies of the handle share it.
 class AccelerationStructure {
  public:
   AccelerationStructure() = default;
@@ -30,5 +30,8 @@ struct TriangleGeometry {
   uint32_t vertexCount = 0, firstTriangle = 0, triangleCount = 0;
   bool opaque = true;  ///< no any-hit shader is asked
 };
+
+/// Updates of a structure between two full builds of what moves: an update only fits the boxes, which overlap more and more as things turn.
+inline constexpr uint32_t kUpdatesABuild = 32;
 
 }  // namespace hl

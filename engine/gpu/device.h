@@ -46,7 +46,8 @@ class Device {
   Buffer buffer(const std::string& name, uint64_t bytes, TexelFormat = TexelFormat::None);
   GpuImage image(const std::string& name, const ImageDesc&);
   /// Built at once, for fast tracing. @throws Error(Device) where the device has no ray tracing pipelines
-  AccelerationStructure accelerationStructure(const std::string& name, std::span<const TriangleGeometry>);
+  /// `moving`: geometry whose vertices FrameGraph::update() follows; gl_InstanceCustomIndexEXT is 1 there, and gl_GeometryIndexEXT counts in its own list.
+  AccelerationStructure accelerationStructure(const std::string& name, std::span<const TriangleGeometry>, std::span<const TriangleGeometry> moving = {});
 
   /// Blocking copies, outside any frame graph.
   void upload(const Buffer&, const void* data, uint64_t bytes, uint64_t offset = 0);

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "engine/gpu/acceleration_impl.h"
 #include "engine/gpu/pass.h"
 
 namespace hl {
@@ -292,6 +293,15 @@ void FrameGraph::copy(const std::string& name, const GpuImage& from, const GpuIm
     vkCmdCopyImage(commands, from.state()->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.state()->handle,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
   };
+  pass.complete = true;
+}
+
+void FrameGraph::update(const std::string& name, const AccelerationStructure& structure) {
+  if (!structure || !structure.state()->movingVertices) throw badInput(fmt::format("pass \"{}\": a structure that nothing moves in is updated", name));
+  Pass& pass = impl_->add(Pass::Kind::Transfer, name);
+  pass.use(structure.state()->movingVertices,
+           {VK_PIPELINE_STAGE_2_ACCELERATION_STRUCTURE_BUILD_BIT_KHR, VK_ACCESS_2_SHADER_READ_BIT, 0, VK_IMAGE_LAYOUT_UNDEFINED});
+  pass.transfer = [structure](VkCommandBuffer commands) { recordUpdate(commands, *structure.state()); };
   pass.complete = true;
 }
 

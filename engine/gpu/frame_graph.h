@@ -156,6 +156,8 @@ class FrameGraph {
   void clear(const std::string& name, const Buffer&, uint32_t value = 0);
   void clear(const std::string& name, const GpuImage&);
   void copy(const std::string& name, const GpuImage& from, const GpuImage& to);
+  /// Brings a structure to where the vertices of its moving geometry are now. @throws Error(BadInput) where nothing in it moves
+  void update(const std::string& name, const AccelerationStructure&);
   /// Listed with the timings, not recorded.
   void skip(const std::string& name, const std::string& reason);
 

@@ -12,7 +12,7 @@ namespace hl {
 namespace {
 
 /// What the values of an image are; kMode of tone_map.comp.
-enum Mode : uint32_t { kRadiance = 0, kColour = 1, kDirection = 2, kPlace = 3 };
+enum Mode : uint32_t { kRadiance = 0, kColour = 1, kDirection = 2, kPlace = 3, kShift = 4 };
 
 struct ToneMapConstants {
   float scale;
@@ -117,6 +117,7 @@ const std::vector<ViewInfo>& displayViews() {
       {"normal", "Normal"},
       {"position", "Position (fractions of a metre)"},
       {"emission", "Emission"},
+      {"motion", "Motion since the last frame (grey: none; full colour at 16 pixels)"},
       {"reference", "Reference"},
       {"reference_indirect", "Reference, indirect irradiance"},
       {"reference_direct", "Reference, direct irradiance"},
@@ -157,6 +158,7 @@ GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display&
   Mode mode = sceneReferred ? kRadiance : kColour;
   if (!sceneReferred && display.view == "normal") mode = kDirection;
   if (!sceneReferred && display.view == "position") mode = kPlace;
+  if (!sceneReferred && display.view == "motion") mode = kShift;
   const ToneMapConstants constants{std::exp2(display.exposure), toneMapCurve(display.toneMap),
                                    display.showInvalid ? 1u : 0u};
   graph.compute("tone map", "passes/tone_map.comp")

@@ -109,4 +109,25 @@ GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& co
   return g;
 }
 
+void recordMotion(FrameGraph& graph, GBuffer& g, const GpuScene& scene, const Camera& now, const Camera& previous) {
+  g.motion = graph.transient("gbuffer.motion", {g.width, g.height, Format::RG32F});
+  const float aspect = static_cast<float>(g.width) / static_cast<float>(g.height);
+  const CameraBasis basis = cameraBasis(now, aspect);
+  const CameraConstants constants{cameraMatrix(previous, aspect),
+                                  basis.origin,
+                                  basis.forward,
+                                  basis.right,
+                                  basis.down,
+                                  vec2(static_cast<float>(g.width), static_cast<float>(g.height))};
+  const bool same = now.seesAs(previous);
+  graph.raster("gbuffer: motion", "passes/surfaces.vert", "passes/motion.frag", {{g.motion}, GpuImage()})
+      .sample("position", g.position)
+      .sample("ids", g.ids)
+      .bind("objectIds", scene.objectIds, Access::Read)
+      .bind("objectTransforms", scene.objectTransforms, Access::Read)
+      .specialize("kCameraMoved", same ? 0 : 1)
+      .push(constants)
+      .draw(3);
+}
+
 }  // namespace hl

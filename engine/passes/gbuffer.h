@@ -14,12 +14,17 @@ struct GBuffer {
   GpuImage albedo;           ///< RGBA32F: 0 on the back of a one-sided material
   GpuImage emission;         ///< RGBA32F (16 bits would overflow at 65504): radiance towards the camera
   GpuImage ids;              ///< RG32U: triangle + 1, material
+  GpuImage motion;           ///< RG32F [pixels]: where this pixel's surface (or its direction, where there is none) was in the previous frame, minus where
+                             ///< it is; y down. Far outside the image where it was behind the camera. Empty unless recordMotion() was called.
   int width = 0, height = 0;
 };
 
 /// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there). `cornerUvs`: lightmap UVs,
 /// vec2 a triangle's corner, or empty where there is no lightmap.
 GBuffer recordGBuffer(FrameGraph&, const GpuScene&, const Buffer& cornerUvs, const Camera&, int width, int height);
+
+/// Pass "gbuffer: motion". The surface is carried back through its object's transforms and seen with the previous camera; exactly 0 where neither moved.
+void recordMotion(FrameGraph&, GBuffer&, const GpuScene&, const Camera& now, const Camera& previous);
 
 /// A camera as rays: those through the image reach from the origin along forward + x right + y down, with x and y in
 /// [-1, 1].

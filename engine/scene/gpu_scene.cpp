@@ -7,6 +7,7 @@
 
 #include "engine/core/error.h"
 #include "engine/gpu/device.h"
+#include "engine/scene/scene_pose.h"
 #include "shaders/shared/scene_types.h"
 
 namespace hl {
@@ -114,11 +115,30 @@ GpuScene uploadScene(Device& device, const Scene& scene) {
   g.indices = upload(device, "indices", scene.indices);
   g.materialIds = upload(device, "material_ids", scene.materialIds);
   g.objectIds = upload(device, "object_ids", scene.objectIds);
+  g.objectCount = static_cast<uint32_t>(scene.objects.size());
+  shared::ObjectTransform still{};
+  still.restToWorld = still.previousRestToWorld = still.worldToRest = mat4(1.0f);
+  g.objectTransforms = upload(device, "object_transforms", std::vector<shared::ObjectTransform>(scene.objects.size(), still));
+  const ScenePose rest(scene);
+  if (rest.movesGeometry()) g.movingVertices = upload(device, "moving_vertices", rest.vertices());
+  g.movingVertexCount = static_cast<uint32_t>(rest.vertices().size());
+  if (rest.movesGeometry()) updateTransforms(device, g, rest.transforms());
   g.textures = textures(device, scene, g.textureBytes);
   g.triangleCount = static_cast<uint32_t>(scene.indices.size());
   g.diagonal = scene.bounds.diagonal();
   updateLights(device, g, scene);
   return g;
+}
+
+void updateTransforms(Device& device, GpuScene& g, std::span<const shared::ObjectTransform> transforms) {
+  if (transforms.size() != g.objectCount)
+    throw Error(ErrorKind::Run, fmt::format("{} transforms for {} objects", transforms.size(), g.objectCount));
+  if (!transforms.empty()) device.upload(g.objectTransforms, transforms.data(), transforms.size_bytes());
+}
+
+void updateEmitters(Device& device, GpuScene& g, const Scene& scene) {
+  const std::vector<shared::GpuEmitter> e = emitters(scene, g.emitterPower);
+  if (!e.empty()) device.upload(g.emitters, e.data(), e.size() * sizeof(shared::GpuEmitter));
 }
 
 void updateLights(Device& device, GpuScene& g, const Scene& scene) {
@@ -136,7 +156,7 @@ void updateLights(Device& device, GpuScene& g, const Scene& scene) {
 std::vector<std::pair<std::string, uint64_t>> GpuScene::memory() const {
   std::vector<std::pair<std::string, uint64_t>> out;
   for (const Buffer* b :
-       {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &materials, &lights, &emitters})
+       {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &objectTransforms, &movingVertices, &materials, &lights, &emitters})
     if (*b) out.emplace_back(b->name(), b->size());
   if (textures) out.emplace_back(textures.name(), textureBytes);
   return out;

@@ -8,7 +8,9 @@
 
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
+#include "engine/scene/animation.h"
 #include "engine/scene/scene_build.h"
+#include "engine/scene/scene_pose.h"
 #include "engine/scene/texture_sampling.h"
 
 namespace hl {
@@ -23,6 +25,22 @@ vec3 brightest(const Texture& t) {
 }
 
 bool emits(const Material& m) { return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0; }
+
+void hashAnimations(Hasher& h, const Scene& scene) {
+  h.value<uint64_t>(scene.animations.size());
+  for (const ObjectAnimation& a : scene.animations) {
+    h.array(a.objects).value(a.pivot).value(a.axis).value(static_cast<int>(a.repeat)).value<uint32_t>(a.eased);
+    h.value<uint64_t>(a.keys.size());
+    for (const PoseKey& k : a.keys) h.value(k.time).value(k.translation).value(k.angle).value(k.scale);
+  }
+  h.value<uint64_t>(scene.lightAnimations.size());
+  for (const LightAnimation& a : scene.lightAnimations) {
+    h.text(a.light).value<uint32_t>(a.movesPosition).value<uint32_t>(a.turnsDirection).value<uint32_t>(a.scalesIntensity);
+    h.value(static_cast<int>(a.repeat)).value<uint32_t>(a.eased);
+    h.value<uint64_t>(a.keys.size());
+    for (const LightKey& k : a.keys) h.value(k.time).value(k.position).value(k.direction).value(k.factor);
+  }
+}
 
 constexpr float kRegionSlack = 1e-4f;  // what rounding may add to x + width
 
@@ -56,6 +74,8 @@ SceneFeatures sceneFeatures(const Scene& scene) {
   f.pointLights = !scene.pointLights.empty();
   f.spotLights = !scene.spotLights.empty();
   f.directionalLights = !scene.directionalLights.empty();
+  f.movingObjects = f.surfaces && !scene.animations.empty();
+  f.movingLights = !scene.lightAnimations.empty();
   f.sky = scene.sky.x > 0 || scene.sky.y > 0 || scene.sky.z > 0;
   return f;
 }
@@ -79,6 +99,8 @@ std::string sceneContentHash(const Scene& scene) {
   h.value<uint64_t>(scene.directionalLights.size());
   for (const DirectionalLight& l : scene.directionalLights) h.value(l.direction).value(l.irradiance);
   h.value(scene.sky);
+  // Scenes without any keep the hash they had.
+  if (animated(scene)) hashAnimations(h, scene);
   return h.hex();
 }
 
@@ -94,6 +116,11 @@ void recentreScene(Scene& scene) {
   for (PointLight& l : scene.pointLights) l.position -= shift;
   for (SpotLight& l : scene.spotLights) l.position -= shift;
   for (Camera& c : scene.cameras) c.position -= shift, c.target -= shift;
+  for (ObjectAnimation& a : scene.animations) a.pivot -= shift;
+  for (LightAnimation& a : scene.lightAnimations)
+    for (LightKey& k : a.keys) k.position -= shift;
+  for (CameraPath& p : scene.cameraPaths)
+    for (CameraKey& k : p.keys) k.camera.position -= shift, k.camera.target -= shift;
   scene.bounds.min -= shift, scene.bounds.max -= shift;
   scene.report.recentred += shift;
 }
@@ -110,6 +137,10 @@ void finishScene(Scene& scene) {
     ++scene.report.cappedAlbedo;
     // With a texture it is the product that is capped, where it is looked up.
     if (m.albedoTexture == kNone) m.albedo = glm::min(m.albedo, vec3(kMaxAlbedo));
+  }
+  if (!scene.animations.empty()) {
+    separateMovingVertices(scene);
+    scene.bounds = boundsOfPoses(scene);
   }
   recentreScene(scene);
   if (scene.cameras.empty()) scene.cameras.push_back(sensibleCamera(scene));

@@ -51,6 +51,57 @@ struct Camera {
   std::string name;
   vec3 position{0, 1, 5}, target{0, 1, 0}, up{0, 1, 0};
   float verticalFov = 0.8f;  ///< [rad]
+  /// Whether both look the same way from the same place, whatever they are called.
+  bool seesAs(const Camera& o) const { return position == o.position && target == o.target && up == o.up && verticalFov == o.verticalFov; }
+};
+
+/// What an animation does after its last key.
+enum class Repeat { Once, Loop, PingPong };
+
+/// Where an object is at a moment: p -> pivot + translation + R (scale (p - pivot)), R about the animation's axis.
+struct PoseKey {
+  float time = 0;          ///< [s]
+  vec3 translation{0.0f};  ///< [m]
+  float angle = 0;         ///< [rad], counter-clockwise seen from the axis's tip; more than a turn is meant as it is said
+  vec3 scale{1.0f};        ///< along x, y, z of the rest pose; above 0
+};
+
+/// Moves objects together. Between keys everything runs linearly, or eased (smoothstep) where `eased`. An object that several animations name goes through
+/// them in their order.
+struct ObjectAnimation {
+  std::string name;
+  std::vector<uint32_t> objects;  ///< indices into Scene::objects
+  vec3 pivot{0.0f}, axis{0, 1, 0};  ///< in the rest pose [m]; unit
+  Repeat repeat = Repeat::Loop;
+  bool eased = false;
+  std::vector<PoseKey> keys;      ///< at least one; the first at time 0, times ascend
+};
+
+struct LightKey {
+  float time = 0;
+  vec3 position{0.0f}, direction{0, -1, 0};
+  float factor = 1;               ///< of the light's own intensity or irradiance
+};
+
+/// Moves, turns or dims the punctual light of that name.
+struct LightAnimation {
+  std::string light;
+  bool movesPosition = false, turnsDirection = false, scalesIntensity = false;  ///< what the keys say; the rest stays as the light has it
+  Repeat repeat = Repeat::Loop;
+  bool eased = false;
+  std::vector<LightKey> keys;     ///< as an ObjectAnimation's
+};
+
+struct CameraKey {
+  float time = 0;
+  Camera camera;
+};
+
+/// A recorded flight. Positions, targets and the rest follow a cubic through the keys (Catmull and Rom, with the keys' times).
+struct CameraPath {
+  std::string name;
+  Repeat repeat = Repeat::Once;
+  std::vector<CameraKey> keys;    ///< as an ObjectAnimation's
 };
 
 /// A named rectangle of the image, as fractions of its size.
@@ -94,7 +145,11 @@ struct Scene {
 
   std::vector<Camera> cameras;  ///< at least one after loading
   std::vector<Region> regions;
-  Bounds bounds;
+
+  std::vector<ObjectAnimation> animations;        ///< geometry above is the rest pose, until a ScenePose brings it to a moment
+  std::vector<LightAnimation> lightAnimations;
+  std::vector<CameraPath> cameraPaths;
+  Bounds bounds;                ///< of all poses, where objects move
   ImportReport report;
 
   size_t triangles() const { return indices.size(); }
@@ -104,6 +159,7 @@ struct Scene {
 struct SceneFeatures {
   bool surfaces = false, emissive = false, pointLights = false, spotLights = false, directionalLights = false, sky = false;
   bool alphaTested = false, albedoTextures = false, normalMaps = false, twoSided = false;
+  bool movingObjects = false, movingLights = false;  ///< at some time
   uint32_t emissiveTriangles = 0;
   bool anyLight() const { return emissive || pointLights || spotLights || directionalLights || sky; }
 };

@@ -19,7 +19,7 @@ struct MeshReference {
   std::string obtain;  ///< where to get it, for the message when it is missing
 };
 
-enum class ShapeType { Quad, Box, UvSphere, Icosphere };
+enum class ShapeType { Quad, Box, UvSphere, Icosphere, Lathe, Arch, Cloth };
 
 /// A procedural surface. Faces look inward or outward; each face is a chart of the lightmap where those are asked for.
 struct Shape {
@@ -33,8 +33,14 @@ struct Shape {
   float radius = 1;
   bool inward = false;   ///< box and spheres: the front looks at the inside
   bool smooth = false;   ///< spheres: vertex normals of the sphere instead of the facets'
-  int subdivisions = 1;  ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere
+  int subdivisions = 1;  ///< pieces an edge: of a face, of a base triangle; rings of a uv_sphere; sectors of a lathe; segments of an arch's half circle
+  std::vector<vec2> profile;  ///< lathe: (radius, height above `centre`) from below, turned about the vertical
+  bool alongX = true;         ///< arch: the wall runs along x, and one goes through it along z; else the other way round
+  int folds = 0;              ///< cloth over `corners`: waves along its first edge, deepest there and shallow at the opposite one, which it hangs from
+  float depth = 0, sag = 0;   ///< of the folds along the normal, and of the middle downwards [m]
 };
+/// What `copies` of a scene file may make: shapes, and triangles of them, about.
+inline constexpr size_t kMostShapes = 20000, kMostShapeTriangles = size_t{1} << 23;
 inline constexpr const char* kBoxFaces[6] = {"-x", "+x", "-y", "+y", "-z", "+z"};
 
 /// Replaces what a mesh says of a material, or makes a new one that shapes use.
@@ -42,6 +48,13 @@ struct MaterialOverride {
   std::optional<vec3> albedo, emission;
   std::optional<bool> twoSided;
   std::optional<float> alphaCutoff;
+};
+
+/// An animation whose objects are still names: exact ones, or with a * at the end all that begin so.
+struct AnimationDescription {
+  std::string place;  ///< "animations[0]", for messages
+  std::vector<std::string> objects;
+  ObjectAnimation animation;
 };
 
 struct SceneDescription {
@@ -56,6 +69,9 @@ struct SceneDescription {
   vec3 sky{0.0f};
   std::vector<Camera> cameras;
   std::vector<Region> regions;
+  std::vector<AnimationDescription> animations;
+  std::vector<std::pair<std::string, LightAnimation>> lightAnimations;  ///< with their places
+  std::vector<CameraPath> cameraPaths;
 };
 
 /// @throws Error(BadInput): "<file>: <place>: <what is wrong>; <what would be right>".

@@ -66,6 +66,52 @@ void applyMaterials(Scene& scene, const SceneDescription& d, const std::string& 
     }
 }
 
+/// The objects that an animation's names mean.
+std::vector<uint32_t> objectsNamed(const Scene& scene, const std::vector<std::string>& names, const std::string& place) {
+  std::vector<uint32_t> out;
+  for (const std::string& name : names) {
+    const bool group = name.ends_with('*');
+    bool found = false;
+    for (uint32_t i = 0; i < scene.objects.size(); ++i) {
+      const bool same = group ? scene.objects[i].starts_with(name.substr(0, name.size() - 1)) : scene.objects[i] == name;
+      found = found || same;
+      if (same && std::find(out.begin(), out.end(), i) == out.end()) out.push_back(i);
+    }
+    if (found) continue;
+    const std::string near = nearest(name, scene.objects);
+    throw badInput(fmt::format("{}.objects: there is no object '{}'{}", place, name, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+  }
+  return out;
+}
+
+void applyAnimations(Scene& scene, const SceneDescription& d) {
+  for (const AnimationDescription& a : d.animations) {
+    scene.animations.push_back(a.animation);
+    scene.animations.back().objects = objectsNamed(scene, a.objects, a.place);
+  }
+  for (const auto& [place, a] : d.lightAnimations) {
+    std::vector<std::string> names;
+    bool fits = false, known = false;
+    const auto look = [&](const auto& lights, bool hasPosition, bool hasDirection) {
+      for (const auto& l : lights) {
+        names.push_back(l.name);
+        if (l.name != a.light) continue;
+        known = true;
+        fits = (!a.movesPosition || hasPosition) && (!a.turnsDirection || hasDirection);
+      }
+    };
+    look(scene.pointLights, true, false), look(scene.spotLights, true, true), look(scene.directionalLights, false, true);
+    if (!known) {
+      const std::string near = nearest(a.light, names);
+      throw badInput(fmt::format("{}.light: there is no light '{}'{}", place, a.light, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
+    }
+    if (!fits)
+      throw badInput(fmt::format("{}.keys: light '{}' has no {} to animate", place, a.light, a.turnsDirection ? "direction" : "position"));
+    scene.lightAnimations.push_back(a);
+  }
+  scene.cameraPaths = d.cameraPaths;
+}
+
 Scene fromDescription(const SceneDescription& d, const std::filesystem::path& file, Progress* progress) {
   Scene scene;
   if (d.mesh) scene = importMeshCached(findMesh(*d.mesh, file), d.mesh->scale, progress);
@@ -81,6 +127,7 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
   scene.sky = d.sky;
   scene.cameras = d.cameras;
   scene.regions = d.regions;
+  applyAnimations(scene, d);
   return scene;
 }
 

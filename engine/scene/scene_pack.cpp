@@ -69,6 +69,18 @@ void whole(Stream& s, Scene& scene) {
   lights(s, scene);
   s.list(scene.cameras, [&](Camera& c) { s.text(c.name), s.value(c.position), s.value(c.target), s.value(c.up), s.value(c.verticalFov); });
   s.list(scene.regions, [&](Region& g) { s.text(g.name), s.value(g.x), s.value(g.y), s.value(g.width), s.value(g.height); });
+  s.list(scene.animations, [&](ObjectAnimation& a) {
+    s.text(a.name), s.array(a.objects), s.value(a.pivot), s.value(a.axis), s.value(a.repeat), s.flag(a.eased), s.array(a.keys);
+  });
+  s.list(scene.lightAnimations, [&](LightAnimation& a) {
+    s.text(a.light), s.flag(a.movesPosition), s.flag(a.turnsDirection), s.flag(a.scalesIntensity), s.value(a.repeat), s.flag(a.eased), s.array(a.keys);
+  });
+  s.list(scene.cameraPaths, [&](CameraPath& p) {
+    s.text(p.name), s.value(p.repeat);
+    s.list(p.keys, [&](CameraKey& k) {
+      s.text(k.camera.name), s.value(k.time), s.value(k.camera.position), s.value(k.camera.target), s.value(k.camera.up), s.value(k.camera.verticalFov);
+    });
+  });
   s.value(scene.bounds.min), s.value(scene.bounds.max);
   ImportReport& report = scene.report;
   s.value(report.degenerateTriangles), s.value(report.cappedAlbedo), s.value(report.missingTextures), s.value(report.recentred);
@@ -89,6 +101,16 @@ void checkReferences(const Scene& s) {
   for (const uint32_t id : s.objectIds) require(id < s.objects.size());
   for (const Material& m : s.materials)
     for (const uint32_t id : {m.albedoTexture, m.normalTexture}) require(id == kNone || id < s.textures.size());
+  const auto ascending = [](const auto& keys) {
+    require(!keys.empty() && keys.front().time == 0);
+    for (size_t i = 1; i < keys.size(); ++i) require(keys[i].time > keys[i - 1].time);
+  };
+  for (const ObjectAnimation& a : s.animations) {
+    ascending(a.keys);
+    for (const uint32_t id : a.objects) require(id < s.objects.size());
+  }
+  for (const LightAnimation& a : s.lightAnimations) ascending(a.keys);
+  for (const CameraPath& p : s.cameraPaths) ascending(p.keys);
   for (const Texture& t : s.textures)
     require(t.width > 0 && t.height > 0 && t.rgba.size() == size_t{4} * static_cast<size_t>(t.width) * static_cast<size_t>(t.height));
 }

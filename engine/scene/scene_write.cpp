@@ -55,6 +55,22 @@ Json cameras(const Scene& s) {
   return all;
 }
 
+Json cameraPaths(const Scene& s) {
+  Json all = Json::array();
+  for (const CameraPath& p : s.cameraPaths) {
+    Json keys = Json::array();
+    for (const CameraKey& k : p.keys)
+      keys.push_back({{"time", decimal(k.time)},
+                      {"position", numbers(k.camera.position + s.report.recentred)},
+                      {"target", numbers(k.camera.target + s.report.recentred)},
+                      {"up", numbers(k.camera.up)},
+                      {"vertical_fov_degrees", degrees(k.camera.verticalFov)}});
+    const char* repeat = p.repeat == Repeat::Once ? "once" : p.repeat == Repeat::Loop ? "loop" : "ping_pong";
+    all.push_back({{"name", p.name}, {"repeat", repeat}, {"keys", std::move(keys)}});
+  }
+  return all;
+}
+
 /// Materials whose constants differ from those the file gives.
 void materials(const Scene& s, Json& root) {
   const Scene before = loadScene(s.source.string());
@@ -84,6 +100,7 @@ std::string sceneJson(const Scene& scene) {
   root["lights"] = lights(scene);
   root["sky"] = numbers(scene.sky);
   root["cameras"] = cameras(scene);
+  if (!scene.cameraPaths.empty()) root["camera_paths"] = cameraPaths(scene);
   return root.dump(2) + "\n";
 }
 

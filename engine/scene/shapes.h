@@ -11,7 +11,7 @@ namespace hl {
 inline constexpr float kShapeChartMargin = 1.0f / 32;
 
 /// Adds the shapes to the scene. `material` gives the index of a material by name. With `lightmapUvs` each face (of a
-/// quad or box: the face; of a uv_sphere: the whole; of an icosphere: a base triangle) fills the square of one cell of
+/// quad or box: the face; of a uv_sphere, lathe or cloth: the whole; of an icosphere: a base triangle; of an arch: each of its eight sides) fills the square of one cell of
 /// an n x n grid, less the margin; cells run along u first, in the order of shapes and of their faces, and n is the
 /// least that holds them all.
 void appendShapes(Scene&, const std::vector<Shape>&, bool lightmapUvs,

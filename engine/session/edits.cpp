@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/core/log.h"
+#include "engine/scene/animation.h"
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 #include "engine/session/session_impl.h"
@@ -29,13 +30,14 @@ bool hasSmoothNormals(const Scene& scene) {
   return false;
 }
 
-/// Everything about a scene that panels show; without the arrays that make it large.
-std::shared_ptr<const Scene> summaryOf(const Scene& scene) {
+/// Everything about a scene that panels show; without the arrays that make it large. Lights as a person edits them, whatever moves them now.
+std::shared_ptr<const Scene> summaryOf(const Scene& scene, const ScenePose& pose) {
   auto out = std::make_shared<Scene>();
   out->name = scene.name, out->source = scene.source, out->hash = scene.hash;
   out->objects = scene.objects, out->materials = scene.materials, out->hasUvs = scene.hasUvs;
-  out->pointLights = scene.pointLights, out->spotLights = scene.spotLights, out->directionalLights = scene.directionalLights;
+  pose.restLights(*out);
   out->sky = scene.sky, out->cameras = scene.cameras, out->regions = scene.regions;
+  out->animations = scene.animations, out->lightAnimations = scene.lightAnimations, out->cameraPaths = scene.cameraPaths;
   out->bounds = scene.bounds, out->report = scene.report;
   return out;
 }
@@ -49,15 +51,6 @@ const Camera* findCamera(const Scene& scene, const std::string& name) {
   for (const Camera& c : scene.cameras)
     if (c.name == name) return &c;
   return nullptr;
-}
-
-void checkCamera(const Scene& scene, const std::string& name) {
-  if (name.empty() || findCamera(scene, name)) return;
-  std::vector<std::string> names;
-  for (const Camera& c : scene.cameras) names.push_back(c.name);
-  const std::string guess = nearest(name, names);
-  throw badInput(fmt::format("camera '{}': the scene '{}' has no such camera{}", name, scene.name,
-                             guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
 }
 
 void applyLights(Scene& scene, const LightEdits& lights) {
@@ -78,6 +71,15 @@ void checkView(const std::string& view, const Technique& technique) {
 
 }  // namespace
 
+void checkCamera(const Scene& scene, const std::string& name) {
+  if (name.empty() || findCamera(scene, name)) return;
+  std::vector<std::string> names;
+  for (const Camera& c : scene.cameras) names.push_back(c.name);
+  const std::string guess = nearest(name, names);
+  throw badInput(fmt::format("camera '{}': the scene '{}' has no such camera{}", name, scene.name,
+                             guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
+}
+
 Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {}
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -85,6 +87,8 @@ Session::~Session() {
   for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
 }
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
+
+void Session::Impl::summarise() { summary = summaryOf(*scene, pose); }
 
 void Session::Impl::collectParams() {
   params = ParamSet();
@@ -104,6 +108,7 @@ std::map<std::string, std::string> Session::Impl::changedParams() const {
 }
 
 Camera Session::Impl::camera() const {
+  if (!preset.animation.cameraPath.empty()) return cameraAt(cameraPath(*scene, preset.animation.cameraPath), time);
   if (preset.camera) return *preset.camera;
   if (const Camera* c = findCamera(*scene, preset.cameraName)) return *c;
   return scene->cameras.front();
@@ -121,6 +126,15 @@ void Session::Impl::want(Effect effect) {
   if (effect == Effect::Rebuild) techniqueStale = true;
   if (effect != Effect::Live) resetWanted = true, held = false;  // what was cancelled or failed is not tried again for an exposure's sake
   measuredSettled = false;
+}
+
+/// The camera, a light or the geometry is not what it was in the last frame.
+void Session::Impl::changed(Change change) {
+  (change == Change::Camera ? cameraMoved : change == Change::Lights ? lightsMoved : geometryMoved) = true;
+  measuredSettled = false;
+  // A camera asks nothing of a technique that does not converge over frames: its picture is another one at once.
+  if (change != Change::Camera || technique->framesToSettle() > 0) measureAnew = true;
+  if (!technique->follows(change)) want(Effect::Reset);
 }
 
 void Session::Impl::referenceStale() {
@@ -150,13 +164,17 @@ void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
   gpuScene = std::move(nextGpu);
   embree = std::move(nextEmbree);
   scene = std::move(next);
+  pose = ScenePose(*scene);
+  clockFrame = 0;
+  embreeStale = geometryMissed = lightsMissed = false;
   features = sceneFeatures(*scene);
   smoothNormals = hasSmoothNormals(*scene);
-  summary = summaryOf(*scene);
+  summarise();
   directLight = std::make_unique<DirectLight>(device, shaders, gpuScene, *tracer);
   atlas.reset();
   cornerUvs = {};
   pickPixel.reset();
+  previousCamera.reset();
   atlasStale = techniqueStale = resetWanted = true;
 }
 
@@ -192,6 +210,7 @@ void Session::load(const Preset& preset, Progress* progress) {
   const std::filesystem::path beside = isBundleFile(preset.file) ? preset.file : preset.file.parent_path();
   auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
+  checkPlayback(*scene, preset.animation);
   if (preset.lights) applyLights(*scene, *preset.lights);
   const std::vector<Region> ownRegions = scene->regions;
   if (preset.regions) {
@@ -223,6 +242,7 @@ void Session::setScene(const std::string& nameOrPath, Progress* progress) {
   next.camera.reset();
   next.lights.reset();
   next.regions.reset();
+  next.animation = {};
   const std::map<std::string, std::map<std::string, std::string>> others = impl_->otherTechniques;
   load(next, progress);
   impl_->otherTechniques = others;
@@ -274,8 +294,10 @@ void Session::setCamera(const Camera& camera) {
   if (!(glm::length(forward) > 0) || !(camera.verticalFov > 0) || !(camera.verticalFov < kPi))
     throw badInput("camera: it must look somewhere, with a field of view between 0 and 180 degrees");
   s.preset.camera = camera;
+  s.preset.animation.cameraPath.clear();  // who takes hold of the camera leaves the path
   s.directLight->reset();
   s.cameraChanged();
+  s.changed(Change::Camera);
 }
 
 void Session::setCameraName(const std::string& name) {
@@ -283,8 +305,10 @@ void Session::setCameraName(const std::string& name) {
   checkCamera(*s.scene, name);
   s.preset.cameraName = name;
   s.preset.camera.reset();
+  s.preset.animation.cameraPath.clear();
   s.directLight->reset();
   s.cameraChanged();
+  s.changed(Change::Camera);
 }
 
 void Session::setLights(const std::vector<PointLight>& points, const std::vector<SpotLight>& spots,
@@ -299,10 +323,13 @@ void Session::setLights(const std::vector<PointLight>& points, const std::vector
 void Session::Impl::lightsChanged() {
   device.waitIdle();
   features = sceneFeatures(*scene);
+  pose.setLights(*scene);
   updateLights(device, gpuScene, *scene);
-  summary = summaryOf(*scene);
+  summarise();
   referenceStale();
-  want(Effect::Reset);
+  directLight->reset();
+  held = false;  // as after every edit of the light: what was cancelled is tried again
+  changed(Change::Lights);
 }
 
 void Session::setResolution(int width, int height) {
@@ -347,7 +374,7 @@ void Session::setRegions(const std::optional<std::vector<Region>>& regions) {
   if (regions) checkRegions(*regions);
   s.preset.regions = regions;
   s.scene->regions = regions ? *regions : s.sceneRegions;
-  s.summary = summaryOf(*s.scene);
+  s.summarise();
   s.measuredSettled = false;
   s.lastMeasurementMs = -1e9;  // measured with the next frame
 }

@@ -5,6 +5,7 @@
 
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
+#include "engine/scene/animation.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -55,7 +56,7 @@ void Session::Impl::addConvergencePoint() {
     for (size_t i = 0; i < next->size(); i += 2) (*next)[kept++] = std::move((*next)[i]);
     next->resize(kept);
   }
-  next->push_back({frameSinceReset, msSinceReset, errors});
+  next->push_back({frameSinceChange, msSinceReset, errors});
   convergence = std::move(next);
 }
 
@@ -68,6 +69,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   const int width = s.preset.width, height = s.preset.height;
   const bool hasSurfaces = s.features.surfaces;
   s.gbuffer = recordGBuffer(s.graph, s.gpuScene, s.cornerUvs, s.camera(), width, height);
+  const Camera camera = s.camera(), previousCamera = s.previousCamera.value_or(camera);
+  if (s.motionWanted()) recordMotion(s.graph, s.gbuffer, s.gpuScene, camera, previousCamera);
   s.directImage = s.directLight->recordPixels(s.graph, s.gbuffer, s.direct, s.preset.seed);
   s.indirectImage = {};
   if (s.held || s.techniqueStale) {
@@ -75,7 +78,10 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   } else if (!hasSurfaces || !s.features.anyLight()) {
     s.graph.skip(s.preset.technique, hasSurfaces ? "the scene has no lights" : "the scene has no surfaces");
   } else {
-    s.indirectImage = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view}).irradiance;
+    s.indirectImage = s.technique
+                          ->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view, camera, previousCamera, s.time, s.previousTime,
+                                             s.frameSinceChange, s.cameraMoved, s.lightsMoved, s.geometryMoved})
+                          .irradiance;
   }
   s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky);
 
@@ -88,18 +94,24 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (viewId == "normal") source = s.gbuffer.normal, sceneReferred = false;
   if (viewId == "position") source = s.gbuffer.position, sceneReferred = false;
   if (viewId == "emission") source = s.gbuffer.emission;
+  if (viewId == "motion") source = s.gbuffer.motion, sceneReferred = false;
   if (viewId == "indirect") source = recordComposite(s.graph, s.gbuffer, GpuImage(), s.indirectImage, vec3(0));
   if (!s.held)
     for (const DebugView& v : s.technique->debugViews())
       if (v.id == viewId && v.image) source = v.image, sceneReferred = v.irradiance;
   s.displayImage = recordToneMap(s.graph, source, s.preset.display, sceneReferred, width, height, s.displayCounters);
   BatchTimings timings = s.graph.execute();
+  s.addMomentTimings(timings);
   s.serialisedTiming = timings.serialised;
   s.frameProfiler.add(timings);
   s.lastTimings = timings;
   s.msSinceReset += timings.wallMs;
   ++s.frameNumber;
   ++s.frameSinceReset;
+  ++s.frameSinceChange;
+  s.cameraMoved = s.lightsMoved = s.geometryMoved = false;
+  s.previousCamera = camera;
+  s.previousTime = s.time;
   uint32_t counters[2] = {0, 0};
   s.device.download(s.displayCounters, counters, sizeof counters);
   s.nonFinite = counters[0], s.negative = counters[1];
@@ -109,14 +121,15 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
     s.pickReport = s.held || s.techniqueStale ? PickReport{} : s.technique->pick(s.picked);
     s.pickPixel.reset();
   }
-  if (s.referenceWanted && !s.referenceStopped && !s.referencesStarted()) s.startReferences();
+  const bool running = s.timeRuns();  // then a reference of this moment would be thrown away with the next frame
+  if (s.referenceWanted && !s.referenceStopped && !running && !s.referencesStarted()) s.startReferences();
   bool worked = false;  // then this frame's picture is older than the state
   if (!s.workPaused) {
     try {
       if (!s.workSettled()) {
         worked = true;
         s.runWork(s.sliceMs(), p);
-      } else if (s.referenceWanted && !s.referenceStopped) {
+      } else if (s.referenceWanted && !s.referenceStopped && !running) {
         s.runReference(kReferenceSliceMs, p);
       }
     } catch (const Error& e) {
@@ -128,7 +141,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   // Measured on a schedule, and once more at the end, so that a settled session shows the numbers of what it shows.
   const bool referencesDone = s.referencesSettled();
   // A frame that worked shows what was there before its work: it is not the last to be measured.
-  const bool allSettled = !worked && s.workSettled() && s.directLight->settled(s.direct) && referencesDone;
+  const bool allSettled = !worked && !running && !s.geometryMissed && !s.lightsMissed && s.techniqueSettled() && s.directLight->settled(s.direct) && referencesDone;
   const bool due = s.msSinceReset + s.referenceMs - s.lastMeasurementMs > std::max(kMeasureEveryMs, s.measurementMs / kMeasureShare);
   const bool shownAnew = s.framesToMeasure > 0 && --s.framesToMeasure == 0;  // not while someone turns the exposure
   if (shownAnew) s.measuredSettled = false;
@@ -146,6 +159,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.number = s.frameNumber;
   r.frame = s.frameSinceReset;
   r.width = width, r.height = height;
+  r.time = s.time, r.playing = running, r.camera = camera;
   r.view = viewId;
   r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
   s.device.download(s.displayImage, r.display.data(), r.display.size());
@@ -154,8 +168,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
-  if (s.settledFrames == 0 && !worked && !s.resetWanted && !s.held && s.workSettled())
-    s.settledFrames = s.frameSinceReset, s.settledMs = s.msSinceReset;
+  if (s.settledFrames == 0 && !worked && !running && !s.resetWanted && !s.held && s.techniqueSettled())
+    s.settledFrames = s.frameSinceChange, s.settledMs = s.msSinceReset;
   r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
   r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;
   r.workMs = s.workMs, r.workUnits = s.workUnitsTimed;
@@ -174,10 +188,15 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.technique.running = !s.workSettled();
   r.technique.label = work.label;
   r.technique.done = work.total ? static_cast<double>(work.done) / static_cast<double>(work.total) : 1.0;
+  const uint32_t settling = s.held || work.total ? 0 : s.technique->framesToSettle();
+  if (settling > 0) {
+    r.technique.done = std::min(1.0, static_cast<double>(s.frameSinceChange) / settling);
+    if (!s.techniqueSettled()) r.technique.label = fmt::format("frame {} of {}", s.frameSinceChange, settling);
+  }
   if (r.technique.running && s.workUnitsTimed)
     r.technique.secondsLeft = s.workMs / static_cast<double>(s.workUnitsTimed) * static_cast<double>(work.total - work.done) / 1000;
   if (s.full.tracer) {
-    r.reference.label = "reference";
+    r.reference.label = animated(*s.scene) || !s.preset.animation.cameraPath.empty() ? fmt::format("reference at {:.2f} s", s.time) : "reference";
     const double all = s.matched.tracer ? 2 : 1;
     r.reference.done = (s.full.tracer->done() + (s.matched.tracer ? s.matched.tracer->done() : 0)) / all;
     r.reference.running = s.referenceWanted && !s.referenceStopped && !referencesDone;
@@ -186,10 +205,10 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   }
   r.errors = s.errors;
   r.convergence = s.convergence;  // shared, not copied
-  r.settled = !worked && !s.resetWanted && s.workSettled() && s.directLight->settled(s.direct) &&
+  r.settled = !worked && !running && !s.geometryMissed && !s.lightsMissed && !s.resetWanted && s.techniqueSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
-  r.message = s.message;
+  r.message = s.message.empty() ? s.momentNote() : s.message;
   r.techniqueFailed = s.held;
   r.pick = s.pickReport;
   r.picked = s.picked;
@@ -198,6 +217,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.triangles = s.scene->triangles();
   if (s.atlas) r.atlas = s.atlas->report;
   r.preset = preset();
+  if (s.preset.animation.play) ++s.clockFrame;
   return result;
 }
 
@@ -212,6 +232,8 @@ void Session::finishWork(Progress* progress) {
 }
 
 std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {
+  if (impl_->scene && impl_->timeRuns())
+    throw badInput("a scene whose time runs never settles: say how many frames are wanted, or let it stand still (animation.play false)");
   Progress& p = progress ? *progress : *impl_->progress;
   Impl& s = *impl_;
   auto result = frame(&p);

@@ -65,6 +65,13 @@ Image Session::Impl::linearImage(const std::string& name) {
   if (name == "albedo") return withoutAlpha(device.download(gbuffer.albedo));
   if (name == "normal") return withoutAlpha(device.download(gbuffer.normal));
   if (name == "position") return withoutAlpha(device.download(gbuffer.position));
+  if (name == "motion") {
+    if (!gbuffer.motion) throw badInput("image 'motion': no frame has recorded it; show the view motion, or name it among the images wanted");
+    const Image two = device.download(gbuffer.motion);
+    Image three(two.width, two.height, 3);
+    for (size_t i = 0; i < two.pixels(); ++i) std::copy_n(&two.data[i * 2], 2, &three.data[i * 3]);
+    return three;
+  }
   if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
   if (name == "reference_indirect" || name == "reference_direct") {
     if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
@@ -83,10 +90,14 @@ Image Session::Impl::linearImage(const std::string& name) {
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission",
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion",
                                     "reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;
+}
+
+bool Session::Impl::motionWanted() const {
+  return technique->needs().motion || preset.display.view == "motion" || std::find(imagesWanted.begin(), imagesWanted.end(), "motion") != imagesWanted.end();
 }
 
 const ReferenceRun* Session::Impl::matchedRun() const {

@@ -32,6 +32,7 @@ void ReferenceRun::drop() {
 }
 
 void Session::Impl::buildLightmap(Progress& p) {
+  freshEmbree();
   AtlasSettings settings;
   settings.resolution = lightmap.resolution;
   settings.uvOverlapTolerance = lightmap.uv_overlap_tolerance;
@@ -59,6 +60,7 @@ void Session::Impl::buildLightmap(Progress& p) {
 }
 
 void Session::Impl::prepare(Progress& p) {
+  moveToMoment();
   if (!displayCounters) displayCounters = device.buffer("display: counters", 2 * sizeof(uint32_t));
   const bool renderable = features.surfaces && features.anyLight();
   if (!held && renderable && ((technique->needs().lightmap && (atlasStale || !atlas)) || techniqueStale)) {
@@ -71,6 +73,7 @@ void Session::Impl::prepare(Progress& p) {
                                technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed});
         Gpu gpu{device, shaders};
         technique->rebuild(gpu, *view, p);
+        madeAt = time;
         techniqueStale = false;
         resetWanted = true;
         workStopped = false;
@@ -89,14 +92,18 @@ void Session::Impl::prepare(Progress& p) {
     prepareMs = nowMs() - began;
   }
   if (resetWanted) {
-    resetWanted = false;
     if (!held && !techniqueStale) technique->reset();
+    if (!geometryMissed) madeAt = time;
     directLight->reset();
     frameSinceReset = 0;
-    msSinceReset = settledMs = 0;
-    settledFrames = 0;
     workMs = 0, workUnitsTimed = 0;
     workStopped = false;
+  }
+  if (resetWanted || measureAnew) {
+    resetWanted = measureAnew = false;
+    frameSinceChange = 0;
+    msSinceReset = settledMs = 0;
+    settledFrames = 0;
     convergence = std::make_shared<std::vector<ConvergencePoint>>();
     errors.clear();
     lastMeasurementMs = -1e9;
@@ -110,6 +117,11 @@ void Session::Impl::prepare(Progress& p) {
 
 bool Session::Impl::workSettled() const {
   return held || techniqueStale || workStopped || !features.surfaces || !features.anyLight() || technique->work().settled();
+}
+
+bool Session::Impl::techniqueSettled() const {
+  const bool idle = held || techniqueStale || !features.surfaces || !features.anyLight();
+  return workSettled() && (idle || frameSinceChange >= technique->framesToSettle());
 }
 
 void Session::Impl::runWork(double budgetMs, Progress& p) {
@@ -157,6 +169,7 @@ std::vector<Receiver> Session::Impl::receivers() {
 }
 
 void Session::Impl::startReferences() {
+  freshEmbree();
   const std::vector<Receiver> pixels = receivers();
   const auto start = [&](ReferenceRun& run, bool matchedPaths) {
     if (run.tracer) return;
@@ -196,6 +209,7 @@ std::unique_ptr<ProgressiveTracer> Session::progressiveTracer(uint64_t seed) {
   ReferenceSettings settings = s.referenceSettings(true);
   settings.seed = seed;
   settings.maxBounces = s.technique->transport().bounces;
+  s.freshEmbree();
   return std::make_unique<ProgressiveTracer>(s.embree, s.receivers(), s.gbuffer.width, s.gbuffer.height, settings, s.pool);
 }
 
@@ -230,6 +244,7 @@ std::shared_ptr<const ReferenceResult> Session::reference(const std::string& tar
   if (!s.atlas)
     throw badInput(fmt::format("technique '{}' has no lightmap, so there is no lightmap reference", s.preset.technique));
   ReferenceRun& run = s.lightmapRun;
+  s.freshEmbree();
   if (!run.tracer) {
     run.tracer = std::make_unique<ReferenceTracer>(s.embree, receiversFromLumels(s.atlas->lumels),
                                                    static_cast<int>(s.atlas->lumels.size()), 1, s.referenceSettings(true), s.pool);

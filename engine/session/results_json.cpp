@@ -5,6 +5,7 @@
 #include "engine/core/hash.h"
 #include "engine/core/json_writer.h"
 #include "engine/experiment/open_target.h"
+#include "engine/scene/animation.h"
 
 namespace hl {
 namespace {
@@ -94,6 +95,7 @@ void writeResultMembers(JsonWriter& w, const RunResults& r) {
       .member("technique", f.preset.technique)
       .member("frames", f.frame);
   w.member("settled", f.settled).member("cancelled", r.cancelled);
+  if (animated(*f.scene) || !f.preset.animation.cameraPath.empty()) w.member("time_s", f.time);
   w.key("frame_ms")
       .beginObject()
       .member("median", f.frameTime.medianMs)

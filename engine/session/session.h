@@ -37,18 +37,23 @@ struct ErrorValue {
   std::string roi;        ///< "" for the whole image
 };
 
-/// A sudden change whose transient is followed: all lights and the sky times a factor, or a parameter.
+/// A sudden change whose transient is followed: all lights and the sky times a factor, another moment of the scene's animations (a door that is open), a cut to
+/// another camera, or a parameter.
 struct Step {
-  std::string key, value;  ///< "lights", or a parameter's key
-  float factor = 1;
+  std::string key, value;  ///< "lights", "time", "camera", or a parameter's key
+  float factor = 1;        ///< of the lights; or the moment [s]
   bool ofLights() const { return key == "lights"; }
+  bool ofTime() const { return key == "time"; }
+  bool ofCamera() const { return key == "camera"; }
+  bool ofParameter() const { return !ofLights() && !ofTime() && !ofCamera(); }
 };
-/// "lights=FACTOR" or "KEY=VALUE". @throws Error(BadInput)
+/// "lights=FACTOR", "time=SECONDS", "camera=NAME" or "KEY=VALUE". @throws Error(BadInput)
 Step parseStep(const std::string& text);
 
 /// How the indirect light follows a step. Frames count from 1, milliseconds from the edit.
 struct StepReport {
-  double size = 0;                         ///< rms of what the step changes in the indirect irradiance; 0: nothing, and then there is nothing to follow
+  double size = 0;                         ///< rms of what the step changes in the indirect irradiance, at the pixels that show a surface after it; after a
+                                           ///< cut, where there is no picture before, rms of the settled picture itself. 0: nothing, and nothing to follow
   std::optional<uint64_t> frames5, frames1;  ///< from which on at most 5 %, 1 % of it are left; none: not within the frames that were rendered
   std::optional<double> ms5, ms1;
   std::vector<double> left;                ///< by frame
@@ -80,6 +85,9 @@ struct FrameResult {
   uint64_t number = 0;               ///< frames since the session started
   uint32_t frame = 0;                ///< frames since the last reset
   int width = 0, height = 0;
+  double time = 0;                   ///< [s] of the scene's animations
+  bool playing = false;
+  Camera camera;                     ///< that it was seen with
   std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
   std::string displayHash;
   std::string view;
@@ -133,6 +141,12 @@ class Session {
   void setResolution(int width, int height);
   void setSeed(uint32_t);
   void setDisplay(const Display&);
+  /// Plays from `start`, or stands still there. @throws Error(BadInput) for a camera path that the scene has not, a time below 0, a rate that is not above 0
+  void setPlayback(const Playback&);
+  /// The scene's recorded flights, in place of those it has: for "Save scene". @throws Error(BadInput) for one without a name of its own, without keys, or
+  /// whose times do not ascend from 0
+  void setCameraPaths(const std::vector<CameraPath>&);
+  void setTime(double seconds);             ///< goes there; goes on from there where it plays
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
   /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.

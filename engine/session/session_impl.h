@@ -9,6 +9,7 @@
 #include "engine/passes/direct_light.h"
 #include "engine/passes/display.h"
 #include "engine/passes/gbuffer.h"
+#include "engine/scene/scene_pose.h"
 #include "engine/session/session.h"
 #include "engine/trace/embree_scene.h"
 
@@ -38,6 +39,11 @@ struct SurfaceImages {
 Mask maskOf(const Image& position);
 bool anySet(const Mask&);
 
+/// @throws Error(BadInput) naming the cameras there are, where the scene has none of that name ("" is its first).
+void checkCamera(const Scene&, const std::string& name);
+/// @throws Error(BadInput)
+void checkPlayback(const Scene&, const Playback&);
+
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
 
@@ -55,7 +61,7 @@ struct Session::Impl {
   std::vector<Region> sceneRegions;      ///< as the scene's file has them
   std::string transportKey;               ///< of the paths the matched reference was limited to
   bool smoothNormals = false;            ///< some vertex normal differs from its triangle's: mapped and geometric receivers differ
-  std::shared_ptr<const EmbreeScene> embree;
+  std::shared_ptr<EmbreeScene> embree;
   GpuScene gpuScene;
   std::unique_ptr<Tracer> tracer;
   std::unique_ptr<DirectLight> directLight;
@@ -77,8 +83,20 @@ struct Session::Impl {
   bool serialisedTiming = false;
   std::string message;
 
+  // What changed since the last frame, and what the technique did not follow while the time ran.
+  bool cameraMoved = false, lightsMoved = false, geometryMoved = false, measureAnew = false;
+  std::optional<Camera> previousCamera;  ///< none before the first frame of a scene
+  double time = 0, previousTime = 0;
+  ScenePose pose;               ///< the scene at rest
+  uint64_t clockFrame = 0;      ///< frames since the time was set
+  BatchTimings momentTimings;   ///< of what brought geometry to this frame's moment
+  bool embreeStale = false;     ///< geometry moved since Embree's structures were made
+  bool geometryMissed = false, lightsMissed = false;  ///< moved, and the technique does not follow
+  double madeAt = 0;            ///< the moment that the technique's caches belong to
+
   uint64_t frameNumber = 0;
   uint32_t frameSinceReset = 0;
+  uint32_t frameSinceChange = 0;  ///< since the last reset, or the last change that the technique follows without one
   double msSinceReset = 0, prepareMs = 0, settledMs = 0;
   uint32_t settledFrames = 0;
   Profiler frameProfiler, workProfiler;
@@ -115,12 +133,21 @@ struct Session::Impl {
   void makeTechnique(const std::string& id);
   void collectParams();
   void want(Effect);
+  void changed(Change);
   void lightsChanged();
+  void summarise();
   void referenceStale();
   void cameraChanged();
   std::map<std::string, std::string> changedParams() const;
   Camera camera() const;
   float sliceMs();
+
+  // playback.cpp
+  bool timeRuns() const;
+  void moveToMoment();
+  void freshEmbree();
+  void addMomentTimings(BatchTimings&);
+  std::string momentNote() const;
 
   // long_work.cpp
   void prepare(Progress&);
@@ -128,6 +155,8 @@ struct Session::Impl {
   void runWork(double budgetMs, Progress&);
   void runReference(double budgetMs, Progress&);
   bool workSettled() const;
+  bool techniqueSettled() const;  ///< its work, and the frames it takes to converge
+  bool motionWanted() const;
   bool referencesStarted() const;
   bool referencesSettled() const;
   void startReferences();

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "engine/metrics/temporal.h"
+#include "engine/scene/animation.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -37,12 +38,14 @@ struct Lights {
 Step parseStep(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw badInput(fmt::format("step {}: lights=FACTOR or KEY=VALUE is wanted, as in lights=0.5", text));
+    throw badInput(fmt::format("step {}: lights=FACTOR, time=SECONDS, camera=NAME or KEY=VALUE is wanted, as in lights=0.5", text));
   Step step{text.substr(0, equals), text.substr(equals + 1)};
-  if (!step.ofLights()) return step;
+  if (!step.ofLights() && !step.ofTime()) return step;
   const auto end = std::from_chars(step.value.data(), step.value.data() + step.value.size(), step.factor);
-  if (end.ec != std::errc() || end.ptr != step.value.data() + step.value.size() || !(step.factor >= 0) || !std::isfinite(step.factor) || step.factor == 1)
-    throw badInput(fmt::format("step {}: lights are multiplied by a number from 0 on, other than 1", text));
+  if (end.ec != std::errc() || end.ptr != step.value.data() + step.value.size() || !(step.factor >= 0) || !std::isfinite(step.factor) ||
+      (step.ofLights() && step.factor == 1))
+    throw badInput(step.ofLights() ? fmt::format("step {}: lights are multiplied by a number from 0 on, other than 1", text)
+                                   : fmt::format("step {}: a time in seconds from 0 on is wanted", text));
   return step;
 }
 
@@ -71,40 +74,62 @@ std::vector<ErrorValue> Session::measureFlicker(int frames, Progress* progress) 
 }
 
 void Session::checkStep(const Step& step) const {
-  if (!step.ofLights()) {
+  const Scene& scene = *impl_->scene;
+  if (step.ofTime()) {
+    Playback there = impl_->preset.animation;
+    there.start = step.factor;
+    checkPlayback(scene, there);
+    if (!animated(scene)) throw badInput(fmt::format("step of the time: nothing in the scene '{}' is animated", scene.name));
+  } else if (step.ofCamera()) {
+    checkCamera(scene, step.value);
+  } else if (!step.ofLights()) {
     parseParam(*impl_->params.find(step.key).info, step.value);
-  } else if (!Lights(*impl_->scene).any()) {
+  } else if (!Lights(scene).any()) {
     throw badInput("step of the lights: the scene has none but surfaces that shine, and those cannot be edited");
   }
+  if (impl_->timeRuns()) throw badInput("step: the scene's time runs, and nothing settles before or after it; let it stand still (animation.play false)");
 }
 
 StepReport Session::measureStep(const Step& step, int mostFrames, Progress* progress) {
   Impl& s = *impl_;
   Progress& p = progress ? *progress : *s.progress;
   checkStep(step);
-  const Lights lights(*s.scene);
+  Scene atRest;
+  s.pose.restLights(atRest);
+  atRest.sky = s.scene->sky;
+  const Lights lights(atRest);
   const struct Calm {  // slices of the reference would stretch the frames
     bool& wanted;
     const bool before = std::exchange(wanted, false);
     ~Calm() { wanted = before; }
   } calm{s.referenceWanted};
   std::string before;
-  if (!step.ofLights()) {
+  if (step.ofParameter()) {
     const ParamSet::Found found = s.params.find(step.key);
     before = formatParam(*found.info, found.view->get(*found.info));
   }
+  const Playback playback = s.preset.animation;
+  const Camera from = s.camera();
   const auto apply = [&](bool on) {
     if (step.ofLights()) return (on ? lights.times(step.factor) : lights).applyTo(*this);
+    if (step.ofTime()) {
+      Playback there = playback;
+      there.play = false;
+      if (on) there.start = step.factor;
+      return setPlayback(there);
+    }
+    if (step.ofCamera()) return on ? setCameraName(step.value) : setCamera(from);
     setParam(step.key, on ? step.value : before);
   };
   // Both ends first, so that each frame is compared with where the picture will be and none has to be kept.
   apply(true);
   settle(&p);
   const Image after = s.indirectIrradiance();
+  const Mask mask = s.surfaceMask();
   apply(false);
   settle(&p);
-  const Mask mask = s.surfaceMask();
-  const Image now = s.indirectIrradiance();
+  // A cut leaves no pixel as it was: what is left is measured against all of the settled picture.
+  const Image now = step.ofCamera() ? Image(after.width, after.height, after.channels) : s.indirectIrradiance();
   apply(true);
   StepReport report;
   if (now.data == after.data) return report;

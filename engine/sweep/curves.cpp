@@ -82,13 +82,17 @@ std::vector<TracerCurve> tracerCurves(const SweepResults& r, size_t problem, con
     for (const TracerPoint& p : run.points)
       if (const ErrorValue* e = find(p.errors, reference, metric)) samples[at][p.paths].ms.push_back(p.ms), samples[at][p.paths].errors.push_back(e->value);
   }
-  for (size_t i = 0; i < out.size(); ++i)
+  for (size_t i = 0; i < out.size(); ++i) {
+    // Not every seed stopped at the same counts: on a machine whose speed varies more paths can come out sooner.
+    std::vector<std::pair<CostPoint, uint32_t>> points;
     for (const auto& [paths, s] : samples[i]) {
       const Estimate e = meanOf(s.errors);
       const Spread ms = spreadOf(s.ms);
-      out[i].paths.push_back(paths);
-      out[i].points.push_back({ms.median, badness(metric, e.mean), std::isfinite(e.halfWidth) ? e.halfWidth : 0, (ms.p95 - ms.p5) / 2});
+      points.push_back({{ms.median, badness(metric, e.mean), std::isfinite(e.halfWidth) ? e.halfWidth : 0, (ms.p95 - ms.p5) / 2}, paths});
     }
+    std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.first.cost < b.first.cost; });
+    for (const auto& [point, paths] : points) out[i].points.push_back(point), out[i].paths.push_back(paths);
+  }
   return out;
 }
 

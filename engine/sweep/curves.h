@@ -25,11 +25,11 @@ std::vector<std::string> plottedMetrics(const SweepResults&);
 /// Whether values have a place on a logarithmic axis: those that are 0 for a perfect picture, bias by its size, what ssim lacks of 1. Not psnr.
 bool isLogarithmic(const std::string& metric);
 
-/// The path tracer over its paths a pixel: cost [ms] is the median over seeds, error (as badness) their mean with its interval.
+/// The path tracer by growing time: cost [ms] is the median over seeds of a count of paths, error (as badness) their mean with its interval.
 struct TracerCurve {
   std::string transport;
   unsigned threads = 1;
-  std::vector<uint32_t> paths;
+  std::vector<uint32_t> paths;  ///< a pixel; of each point
   std::vector<CostPoint> points;
 };
 /// One for each set of light paths that techniques of the problem model.

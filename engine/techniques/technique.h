@@ -24,6 +24,13 @@ struct Gpu {
   ShaderLibrary& shaders;
 };
 
+/// What may change under a technique while it runs.
+enum class Change {
+  Camera,    ///< another camera, or the same one moved
+  Lights,    ///< punctual lights, sky or emission
+  Geometry,  ///< vertices of moving objects, within the same triangles
+};
+
 /// The loaded scene in every form that a technique may use. Lives at least as long as the technique.
 struct SceneView {
   const Scene& scene;
@@ -43,6 +50,10 @@ struct FrameInputs {
   uint32_t frame = 0;                ///< since the last reset
   uint32_t seed = 1;
   std::string_view view = {};        ///< the view on screen: what only one debug view shows is recorded for that view alone
+  Camera camera = {}, previousCamera = {};  ///< of this frame and of the one before; the same in the first frame
+  double time = 0, previousTime = 0;        ///< [s] of the scene's animations; a function of the frame's number alone
+  uint32_t sinceChange = 0;                 ///< frames since the last reset, or the last change that the technique follows
+  bool cameraMoved = false, lightsChanged = false, geometryMoved = false;  ///< since the frame before
 };
 
 /// Indirect irradiance [W/m^2], RGBA32F at G-buffer pixels.
@@ -92,6 +103,7 @@ class Technique {
  public:
   struct Needs {
     bool lightmap = false;
+    bool motion = false;             ///< GBuffer::motion
   };
   virtual ~Technique() = default;
   virtual Needs needs() const { return {}; }
@@ -99,11 +111,18 @@ class Technique {
   virtual Transport transport() const = 0;
   /// Allocation and precomputation after a scene, resolution or Rebuild-parameter change. @throws Error(BadInput) for settings that make no sense together.
   virtual void rebuild(Gpu&, const SceneView&, Progress&) = 0;
-  /// Light or a Reset-parameter changed: histories and work start again, allocations stay.
+  /// A Reset-parameter changed, or something that the technique does not follow: histories and work start again, allocations stay.
   virtual void reset() {}
+  /// Whether the technique carries its caches through such a change, and converges to what is new by itself. Where it does not, it is reset by another
+  /// camera or light. What an animation does to lights and geometry it is spared while the time runs: its cache belongs to the moment it was made in (the
+  /// session says which), and is made anew, after geometry with `rebuild`, once the time stands still.
+  virtual bool follows(Change) const { return false; }
   virtual WorkState work() const { return {}; }
   /// Records the next unit of work(), at most about 50 ms of it on a CPU device; called between frames while it has not settled.
   virtual void recordWork(FrameGraph&) {}
+  /// Frames since the last reset, or since the last change that was followed without one, from which on the picture counts as settled: for
+  /// techniques that converge over frames. A function of parameters and scene alone, never of time.
+  virtual uint32_t framesToSettle() const { return 0; }
   virtual IndirectLight record(FrameGraph&, const FrameInputs&) = 0;
   virtual std::vector<DebugView> debugViews() const { return {}; }
   virtual std::vector<MemoryItem> memory() const { return {}; }

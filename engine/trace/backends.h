@@ -7,7 +7,7 @@
 
 namespace hl {
 
-std::unique_ptr<Tracer> makeEmbreeTracer(std::shared_ptr<const EmbreeScene>, TaskPool&);
+std::unique_ptr<Tracer> makeEmbreeTracer(std::shared_ptr<EmbreeScene>, TaskPool&);
 std::unique_ptr<Tracer> makeBvhTracer(Device&, const Scene&, const GpuScene&, TaskPool&, Progress*);
 
 /// @throws Error(Device) where the device has no ray tracing pipelines.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/core/error.h"
+#include "engine/scene/scene_pose.h"
 #include "engine/trace/alpha_test.h"
 
 namespace hl {
@@ -48,14 +49,19 @@ void copyLanes(std::array<T, kPacketRays>& to, const U (&from)[kPacketRays]) {
 
 }  // namespace
 
+/// What stays and what moves are geometries of their own, and so are opaque triangles and those with an alpha test.
+enum Geometry : unsigned { kOpaque, kTested, kMovingOpaque, kMovingTested, kGeometries };
+
 struct EmbreeScene::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   /// Scene triangle of (geometry, primitive); empty where geometry 0 is the scene's whole triangle list.
-  std::array<std::vector<uint32_t>, 2> triangles;
-  std::array<std::vector<uvec3>, 2> indices;
+  std::array<std::vector<uint32_t>, kGeometries> triangles;
+  std::array<std::vector<uvec3>, kGeometries> indices;
   std::vector<float> positions;  ///< a copy: Embree reads 16 bytes at every vertex, 4 beyond the last
-  FilterData filter;
+  std::array<FilterData, kGeometries> filters;
+  std::array<RTCGeometry, kGeometries> geometries{};  ///< those that move; owned by the scene
+  std::vector<uint32_t> movingVertices;
   Progress* progress = nullptr;  ///< while the tree is built
   std::string firstError;
 
@@ -84,7 +90,7 @@ struct EmbreeScene::Impl {
     return {q.ray.tfar, sceneTriangle(q.hit.geomID, q.hit.primID), q.hit.u, q.hit.v};
   }
 
-  void attach(unsigned id, const std::vector<uvec3>& list, RTCFilterFunctionN keep, void* user) {
+  void attach(unsigned id, const std::vector<uvec3>& list, RTCFilterFunctionN keep, void* user, bool moves = false) {
     if (list.empty()) return;
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, sizeof(vec3),
@@ -96,6 +102,7 @@ struct EmbreeScene::Impl {
       rtcSetGeometryIntersectFilterFunction(g, keep);
       rtcSetGeometryOccludedFilterFunction(g, keep);
     }
+    if (moves) rtcSetGeometryBuildQuality(g, RTC_BUILD_QUALITY_REFIT), geometries[id] = g;
     rtcCommitGeometry(g);
     rtcAttachGeometryByID(scene, g, id);
     rtcReleaseGeometry(g);
@@ -151,7 +158,9 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
       },
       &im.embreeBytes);
   im.scene = rtcNewScene(im.device);
-  rtcSetSceneFlags(im.scene, RTC_SCENE_FLAG_ROBUST);
+  const std::vector<bool> moving = movingTriangles(scene);
+  // A tree a geometry under a common one, so that only what moves is touched. Without moving objects one tree over all is faster.
+  rtcSetSceneFlags(im.scene, moving.empty() ? RTC_SCENE_FLAG_ROBUST : static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
   rtcSetSceneBuildQuality(im.scene, RTC_BUILD_QUALITY_HIGH);
   if (progress) {
     progress->begin("building ray tracing tree", 1000);
@@ -171,16 +180,25 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
     for (int k = 0; k < 3; ++k) im.positions[3 * i + static_cast<size_t>(k)] = scene.positions[i][k];
 
   const std::vector<bool> tested = alphaTestedTriangles(scene);
-  if (tested.empty()) {
-    im.attach(0, scene.indices, nullptr, nullptr);
+  if (tested.empty() && moving.empty()) {
+    im.attach(kOpaque, scene.indices, nullptr, nullptr);
   } else {
+    std::vector<bool> moves(scene.positions.size());
     for (uint32_t t = 0; t < scene.indices.size(); ++t) {
-      im.triangles[tested[t]].push_back(t);
-      im.indices[tested[t]].push_back(scene.indices[t]);
+      const bool alpha = !tested.empty() && tested[t], goes = !moving.empty() && moving[t];
+      const unsigned to = (goes ? kMovingOpaque : kOpaque) + (alpha ? 1u : 0u);
+      im.triangles[to].push_back(t);
+      im.indices[to].push_back(scene.indices[t]);
+      if (goes)
+        for (const uint32_t v : {scene.indices[t].x, scene.indices[t].y, scene.indices[t].z}) moves[v] = true;
     }
-    im.filter = {&scene, &im.triangles[1]};
-    im.attach(0, im.indices[0], nullptr, nullptr);
-    im.attach(1, im.indices[1], alphaFilter, &im.filter);
+    for (uint32_t v = 0; v < moves.size(); ++v)
+      if (moves[v]) im.movingVertices.push_back(v);
+    for (unsigned g = 0; g < kGeometries; ++g) {
+      im.filters[g] = {&scene, &im.triangles[g]};
+      const bool alpha = g == kTested || g == kMovingTested;
+      im.attach(g, im.indices[g], alpha ? alphaFilter : nullptr, alpha ? &im.filters[g] : nullptr, g >= kMovingOpaque);
+    }
   }
   rtcCommitScene(im.scene);
   if (progress) progress->check();
@@ -190,6 +208,20 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
 }
 
 EmbreeScene::~EmbreeScene() = default;
+
+void EmbreeScene::update() {
+  Impl& im = *impl_;
+  if (im.movingVertices.empty()) return;
+  for (const uint32_t v : im.movingVertices)
+    for (int k = 0; k < 3; ++k) im.positions[3 * size_t{v} + static_cast<size_t>(k)] = scene_.positions[v][k];
+  for (const RTCGeometry g : im.geometries) {
+    if (!g) continue;
+    rtcUpdateGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(g);
+  }
+  rtcCommitScene(im.scene);
+  im.check("moving geometry");
+}
 
 uint64_t EmbreeScene::bytes() const {
   uint64_t sum = static_cast<uint64_t>(impl_->embreeBytes.load()) + impl_->positions.size() * sizeof(float);

@@ -19,6 +19,9 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
+  /// Moving objects are elsewhere in the scene now: their geometry follows, the rest stays as it is. Not while rays are cast. No work where nothing can move.
+  void update();
+
   shared::Hit closest(const shared::Ray&) const;  ///< one ray; thread-safe
   bool occluded(const shared::Ray&) const;
   /// Batches on this thread, coherent or not.

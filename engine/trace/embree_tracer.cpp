@@ -8,7 +8,7 @@ constexpr size_t kPiece = 4096;  // rays a task takes: some milliseconds at most
 
 class EmbreeTracer final : public Tracer {
  public:
-  EmbreeTracer(std::shared_ptr<const EmbreeScene> scene, TaskPool& pool) : scene_(std::move(scene)), pool_(pool) {}
+  EmbreeTracer(std::shared_ptr<EmbreeScene> scene, TaskPool& pool) : scene_(std::move(scene)), pool_(pool) {}
 
   const char* id() const override { return "embree"; }
 
@@ -17,7 +17,7 @@ class EmbreeTracer final : public Tracer {
     checkBatch(name, rays, out, count, query);
     if (count == 0) return graph.skip(name, "no rays");
     graph.host(name).read(rays).write(out).run(
-        [scene = scene_, &pool = pool_, rays, out, count, query](HostAccess& memory) {
+        [scene = std::shared_ptr<const EmbreeScene>(scene_), &pool = pool_, rays, out, count, query](HostAccess& memory) {
           const auto in = memory.span<shared::Ray>(rays).first(count);
           if (query == Query::Closest) {
             const auto hits = memory.span<shared::Hit>(out).first(count);
@@ -33,19 +33,23 @@ class EmbreeTracer final : public Tracer {
         });
   }
 
+  void recordUpdate(FrameGraph& graph) override {
+    graph.host("embree: refit").run([scene = scene_](HostAccess&) { scene->update(); });
+  }
+
   bool onHost() const override { return true; }
   void closest(RayPacket& packet, size_t count) const override { scene_->closest(packet, count); }
 
   std::vector<std::pair<std::string, uint64_t>> memory() const override { return {{"embree: tree", scene_->bytes()}}; }
 
  private:
-  std::shared_ptr<const EmbreeScene> scene_;
+  std::shared_ptr<EmbreeScene> scene_;
   TaskPool& pool_;
 };
 
 }  // namespace
 
-std::unique_ptr<Tracer> makeEmbreeTracer(std::shared_ptr<const EmbreeScene> scene, TaskPool& pool) {
+std::unique_ptr<Tracer> makeEmbreeTracer(std::shared_ptr<EmbreeScene> scene, TaskPool& pool) {
   return std::make_unique<EmbreeTracer>(std::move(scene), pool);
 }
 

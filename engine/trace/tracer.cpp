@@ -39,11 +39,11 @@ std::vector<TracerListing> listTracers(const Device& device) {
 }
 
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device& device, ShaderLibrary&, const Scene& scene,
-                                   const GpuScene& gpuScene, std::shared_ptr<const EmbreeScene> embree, TaskPool& pool,
+                                   const GpuScene& gpuScene, std::shared_ptr<EmbreeScene> embree, TaskPool& pool,
                                    Progress* progress) {
   const std::string chosen = id == "auto" ? (device.isCpu() ? "embree" : device.rayPipelines() ? "pipeline" : "bvh") : id;
   if (chosen == "embree") {
-    if (!embree) embree = std::make_shared<const EmbreeScene>(scene, progress);
+    if (!embree) embree = std::make_shared<EmbreeScene>(scene, progress);
     return makeEmbreeTracer(std::move(embree), pool);
   }
   if (chosen == "bvh") return makeBvhTracer(device, scene, gpuScene, pool, progress);

@@ -23,6 +23,9 @@ class Tracer {
   /// Adds the pass `name` to the graph. rays: `count` shared::Ray. Closest: `out` holds `count` shared::Hit. Any: `out` holds `count` uints, 1 where
   /// something lies between tMin and tMax, else 0. Alpha-tested surfaces count only where they are opaque.
   virtual void record(FrameGraph&, const std::string& name, const Buffer& rays, const Buffer& out, uint32_t count, Query) = 0;
+  /// Vertices of moving objects are elsewhere now, in the Scene that this was made of and in its GpuScene: brings the tracer's structures up to them, as
+  /// passes. Costs by what moves, not by what there is; nothing where nothing can move.
+  virtual void recordUpdate(FrameGraph&) {}
   /// Whether rays are cast on the host. Then a host pass may cast its own by closest(), and spare the buffers.
   virtual bool onHost() const { return false; }
   /// Closest hits of the packet's first `count` rays, at once. Thread-safe. @throws Error(Run) where rays are not cast on the host
@@ -37,8 +40,8 @@ struct TracerListing {
 };
 std::vector<TracerListing> listTracers(const Device&);
 /// `id` "auto": embree on a CPU device, else pipeline where there is one, else bvh. `embree` may be shared with the reference.
-/// The tracer keeps handles of the GpuScene, and nothing of the Scene. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
-std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<const EmbreeScene> embree,
+/// The tracer keeps handles of the GpuScene; the Scene has to outlive it where objects move. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
+std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<EmbreeScene> embree,
                                    TaskPool&, Progress* = nullptr);
 
 }  // namespace hl

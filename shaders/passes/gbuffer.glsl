@@ -19,6 +19,7 @@ vec3 pixelDirection(vec2 at) {
   return camera.forward + onImage.x * camera.right + onImage.y * camera.down;
 }
 
+#ifdef HL_SCENE_POSITIONS
 /// How far inside its triangle a surface point stays, as a share of the largest coordinate: some ten times what single precision rounds. On the very
 /// edge, where two walls meet, a point can come to lie behind the other wall, in the dark.
 const float kEdgeGap = 4e-6;
@@ -38,4 +39,5 @@ vec2 meet(Triangle t, vec3 direction) {
   const vec3 inside = max(vec3(1.0 - bary.x - bary.y, bary), inset);
   return inside.yz / (inside.x + inside.y + inside.z);
 }
+#endif
 #endif

@@ -6,7 +6,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const uint kChannels = 4;
 layout(constant_id = 1) const uint kMode = 0;  ///< what the values are: see engine/passes/display.cpp
-const uint kRadiance = 0, kColour = 1, kDirection = 2, kPlace = 3;
+const uint kRadiance = 0, kColour = 1, kDirection = 2, kPlace = 3, kShift = 4;
+/// Pixels of motion that show as full colour.
+const float kFullShift = 16.0;
 
 uniform sampler2D source;
 layout(rgba8) writeonly uniform image2D display;
@@ -37,6 +39,8 @@ void main() {
     shown = dot(c, c) > 0.0 ? 0.5 * c + 0.5 : vec3(0.0);
   } else if (kMode == kPlace) {
     shown = fract(c);
+  } else if (kMode == kShift) {
+    shown = vec3(clamp(0.5 + 0.5 * c.rg / kFullShift, 0.0, 1.0), 0.5);
   } else {
     const float factor = kMode == kRadiance ? scale : 1.0;
     const uint used = kMode == kRadiance ? curve : kToneMapLinear;

@@ -34,6 +34,8 @@ using glm::normalize;
 using glm::pow;
 using glm::sin;
 using glm::sqrt;
+using glm::mat3;
+using glm::mat4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;

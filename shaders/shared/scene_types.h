@@ -18,6 +18,24 @@ struct GpuMaterial {
   vec2 normalUvScale;
 };
 
+/// Where an object is. Its rest pose is the geometry as the scene's file has it; what moves keeps its triangles, and vertices are those of the rest pose
+/// through `restToWorld` (normals through the inverse transpose). Points that should move with an object are kept in its rest pose.
+struct ObjectTransform {
+  mat4 restToWorld;          ///< in this frame
+  mat4 previousRestToWorld;  ///< in the frame before
+  mat4 worldToRest;          ///< inverse of restToWorld
+  uint moved;                ///< 1 where the two frames differ
+  uint movable;              ///< 1 where an animation moves it at some time; else all three are identities for good
+};
+
+/// A vertex that moves, in its object's rest pose.
+struct MovingVertex {
+  vec3 position;
+  uint vertex;
+  vec3 normal;
+  uint object;
+};
+
 HL_CONST uint kLightPoint = 0u;
 HL_CONST uint kLightSpot = 1u;
 HL_CONST uint kLightDirectional = 2u;

@@ -1,6 +1,7 @@
 // What needs a device: renders, references, the doctor, bad scenes, and a device that is not there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/image_io.h"
@@ -32,6 +33,42 @@ void expectFailure(const CliResult& r, int code, const std::vector<std::string>&
   EXPECT_EQ(r.err.find('\n'), r.err.size() - 1) << "one line: " << r.err;
   EXPECT_EQ(r.err.rfind("halflight-cli: ", 0), 0u) << r.err;
   for (const std::string& part : parts) EXPECT_NE(r.err.find(part), std::string::npos) << part << " in: " << r.err;
+}
+
+/// The same frames each time, at moments that the frame's number alone decides; a cut and a door that opens have an end.
+TEST(CliRender, PlaysAScene) {
+  const std::vector<std::string> play = {"render", "two_rooms", "--technique", "none", "--resolution", "32x24", "--set", "direct.samples=4",
+                                         "--play", "--time",    "0.5",         "--rate", "4",          "--frames", "4", "--camera-path", "through", "--json"};
+  const CliResult first = runCli(play), second = runCli(play);
+  ASSERT_EQ(first.code, 0) << first.err;
+  const json a = json::parse(first.out), b = json::parse(second.out);
+  EXPECT_NEAR(a.at("time_s").get<double>(), 1.25, 1e-6);
+  EXPECT_EQ(a.at("preset").at("animation").at("camera_path"), "through");
+  EXPECT_EQ(a.at("image"), b.at("image"));
+  EXPECT_FALSE(a.at("settled").get<bool>());
+  bool posed = false;
+  for (const json& p : a.at("passes")) posed |= p.at("name") == "scene: pose vertices" && p.at("skipped").is_null();
+  EXPECT_TRUE(posed);
+
+  std::vector<std::string> endless = play;
+  endless.erase(std::find(endless.begin(), endless.end(), "--frames"), std::find(endless.begin(), endless.end(), "--camera-path"));
+  expectFailure(runCli(endless), 2, {"never settles", "frames"});
+  expectFailure(runCli({"render", "two_rooms", "--technique", "none", "--camera-path", "thruogh"}), 2, {"camera path 'thruogh'", "through"});
+  expectFailure(runCli(tiny({"render", "cornell_box", "--step", "time=1"})), 2, {"nothing in the scene 'cornell_box' is animated"});
+
+  for (const char* step : {"time=2", "camera=dark"}) {
+    const CliResult r = runCli({"render", "two_rooms", "--camera", "lit", "--technique", "radiosity", "--resolution", "32x24", "--set", "direct.samples=4", "--set",
+                                "lightmap.resolution=48", "--set", "radiosity.samples=16", "--set", "radiosity.bounces=2", "--step", step, "--json"});
+    ASSERT_EQ(r.code, 0) << r.err;
+    const json s = json::parse(r.out).at("step");
+    EXPECT_EQ(s.at("edit"), step);
+    EXPECT_GT(s.at("size").get<double>(), 0);
+    EXPECT_GE(s.at("frames_to_1_percent").get<double>(), s.at("frames_to_5_percent").get<double>());
+    EXPECT_TRUE(s.at("settled").get<bool>());
+    if (std::string(step) == "camera=dark") {
+      EXPECT_EQ(s.at("frames_to_1_percent"), 1) << "a lightmap does not care who looks";
+    }
+  }
 }
 
 TEST(CliRender, PrintsTheDocumentOfTheDesign) {

@@ -154,7 +154,7 @@ vec3 rgbAt(const Image& image, size_t i) { return vec3(image.data[3 * i], image.
 void render(const Scene& scene, const Camera& camera, int width, int height, int grid, int samples, uint32_t seed, const fs::path& folder) {
   fs::create_directories(folder);
   const auto start = std::chrono::steady_clock::now();
-  auto embree = std::make_shared<const EmbreeScene>(scene);
+  auto embree = std::make_shared<EmbreeScene>(scene);
   TaskPool pool;
   Image sum(width, height, 3);
   uint64_t nonFinite = 0, paths = 0, rays = 0;

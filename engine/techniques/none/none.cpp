@@ -13,6 +13,7 @@ class None final : public Technique {
     return t;
   }
   void rebuild(Gpu&, const SceneView&, Progress&) override {}
+  bool follows(Change) const override { return true; }
   IndirectLight record(FrameGraph& graph, const FrameInputs&) override {
     graph.skip("none: indirect light", "direct light only");
     return {};

@@ -55,6 +55,8 @@ class Radiosity final : public Technique {
     uploadAtlasViews();
   }
 
+  /// The lightmap lies on surfaces: it does not depend on who looks at them.
+  bool follows(Change change) const override { return change == Change::Camera; }
   void reset() override {
     if (bake_) bake_->restart(params_);
   }
