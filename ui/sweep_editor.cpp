@@ -365,13 +365,19 @@ void SweepEditor::check(Then then, const QString& path) {
   later<DraftCheck>(
       [draft = draft(), folder, then, path] {
         DraftCheck c = checkDraft(draft, folder);
-        if (then == Then::Save && c.experiment) saveExperiment(*c.experiment, path.toStdString());
+        if (then != Then::Save || !c.experiment) return c;
+        try {
+          saveExperiment(*c.experiment, path.toStdString());
+        } catch (const std::exception& e) {
+          c.experiment.reset(), c.problem = DraftProblem{{}, e.what()};
+        }
         return c;
       },
       [this, then, path, number](const DraftCheck& c) { takeCheck(c, then, path, number); });
 }
 
 void SweepEditor::takeCheck(const DraftCheck& c, Then then, const QString& path, quint64 number) {
+  answered_ = std::max(answered_, number);
   if (then == Then::Nothing && number != asked_) return;  // typed on since
   showProblem(c.problem);
   QString text;

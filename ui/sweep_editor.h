@@ -49,6 +49,8 @@ class SweepEditor : public QWidget {
   void start();
   /// What is wrong, where it stands; "" while nothing is, or nothing was checked yet.
   QString problemAt(const DraftField&) const;
+  /// What is told is of what is typed: no check is due or under way.
+  bool upToDate() const { return !checkTimer_.isActive() && answered_ == asked_; }
   SweepAxisRow* axisRow(const std::string& key) const;
 
  signals:
@@ -125,7 +127,7 @@ class SweepEditor : public QWidget {
   std::optional<DraftProblem> problem_;
   QTimer checkTimer_;
   QThreadPool worker_;
-  quint64 asked_ = 0;
+  quint64 asked_ = 0, answered_ = 0;
   bool filling_ = false;
 };
 

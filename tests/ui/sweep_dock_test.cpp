@@ -151,8 +151,7 @@ class SweepDockTest : public QObject {
     type(find<QLineEdit>("sweepMetrics"), "relmse, bias");
   }
   bool checks() {
-    QSignalSpy checked(&editor(), &SweepEditor::checked);
-    return checked.wait(kLongest);
+    return QTest::qWaitFor([&] { return editor().upToDate(); }, kLongest);
   }
   bool save(const QString& file) {
     QSignalSpy saved(&editor(), &SweepEditor::saved), refused(&editor(), &SweepEditor::refused);
