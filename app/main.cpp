@@ -83,7 +83,6 @@ int main(int argc, char** argv) {
   const Arguments arguments = parse(app);
   hl::SessionOptions options;
   options.device.select = arguments.device.toStdString();
-  options.device.presentation = QGuiApplication::platformName() == QLatin1String("xcb");
   options.tracer = arguments.tracer.toStdString();
   // A path as the person's shell sees it; a scene's name stays as it is.
   const QFileInfo file(arguments.file);

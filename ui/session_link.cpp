@@ -56,7 +56,7 @@ void SessionLink::postBarrier(Edit edit) {
 /// The presenter comes with the session, which its own thread makes: the first edit there tells.
 SessionLink::Edit SessionLink::withPresenter(Edit edit) {
   return [this, edit = std::move(edit)](Session& s) {
-    if (std::exchange(announced_, &s) != &s && s.presenter())
+    if (std::exchange(announced_, &s) != &s)
       QMetaObject::invokeMethod(this, [this, presenter = s.presenter()] { emit presenterReady(presenter); }, Qt::QueuedConnection);
     edit(s);
   };

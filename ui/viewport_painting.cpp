@@ -84,9 +84,10 @@ PresentView Viewport::presentView() {
   painter.setFont(font());
   paintOver(painter);
   painter.end();
+  image.convertTo(QImage::Format_RGBA8888_Premultiplied);
   auto overlay = std::make_shared<Overlay>();
   overlay->width = pixels.width(), overlay->height = pixels.height();
-  overlay->bgra.assign(image.constBits(), image.constBits() + image.sizeInBytes());  // rows of 32-bit pixels have no padding
+  overlay->rgba.assign(image.constBits(), image.constBits() + image.sizeInBytes());  // rows of 32-bit pixels have no padding
   v.overlay = std::move(overlay);
   return v;
 }

@@ -63,7 +63,7 @@ std::vector<DeviceInfo> listDevices() {
 Device::Impl::Impl(const DeviceOptions& options) {
   const char* variable = std::getenv("HALFLIGHT_VALIDATION");
   const bool wanted = variable != nullptr && *variable != '\0' && std::strcmp(variable, "0") != 0;
-  instance = std::make_shared<Instance>(options.validation || wanted, options.presentation);
+  instance = std::make_shared<Instance>(options.validation || wanted);
   std::vector<DeviceSurvey> all;
   for (VkPhysicalDevice d : instance->physicalDevices()) all.push_back(hl::survey(d));
   survey = choose(all, options.select);
@@ -106,9 +106,7 @@ Device::Impl::Impl(const DeviceOptions& options) {
   info.pNext = &features;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queueInfo;
-  if (!options.presentation)
-    noPresentation = "the device was opened without swapchains";
-  else if (!instance->surfaces())
+  if (!instance->surfaces())
     noPresentation = "the Vulkan loader has no surfaces on X windows (VK_KHR_xcb_surface)";
   else if (!survey.swapchains)
     noPresentation = survey.info.name + " has no swapchains (VK_KHR_swapchain)";
@@ -209,8 +207,6 @@ const DeviceInfo& Device::info() const { return impl_->survey.info; }
 bool Device::isCpu() const { return impl_->cpu; }
 bool Device::timestampsSupported() const { return impl_->survey.timestampBits > 0; }
 bool Device::rayPipelines() const { return impl_->survey.rayPipelines; }
-const std::string& Device::noPresentation() const { return impl_->noPresentation; }
-std::shared_ptr<void> Device::vulkanInstance() const { return {impl_->instance, impl_->instance->handle()}; }
 uint64_t Device::maxStorageBufferBytes() const { return impl_->survey.properties.limits.maxStorageBufferRange; }
 uint32_t Device::maxTexelBufferElements() const { return impl_->survey.properties.limits.maxTexelBufferElements; }
 uint64_t Device::validationMessages() const { return impl_->instance->log().count(); }

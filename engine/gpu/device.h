@@ -14,7 +14,6 @@ struct DeviceOptions {
   std::string
       select;  ///< "": the best (discrete, integrated, virtual, CPU); else an index of listDevices() or part of a name
   bool validation = false;  ///< validation and synchronisation validation; HALFLIGHT_VALIDATION=1 turns it on as well
-  bool presentation = false;  ///< swapchains on X windows, where loader and driver have them; else Device::noPresentation() says why not
   bool staging =
       false;  ///< act as on a device whose memory the host cannot map, so that tests reach those paths anywhere
 };
@@ -40,10 +39,6 @@ class Device {
   bool isCpu() const;
   bool timestampsSupported() const;
   bool rayPipelines() const;  ///< acceleration structures and FrameGraph::rays work
-  /// Why there can be no Swapchain (swapchain.h); "" where there can.
-  const std::string& noPresentation() const;
-  /// The VkInstance, for a window toolkit to make a surface with. It lives as long as any copy of this.
-  std::shared_ptr<void> vulkanInstance() const;
   uint64_t maxStorageBufferBytes() const;
   uint32_t maxTexelBufferElements() const;
 

@@ -69,6 +69,7 @@ struct ImageState {
   VkImageView storage = VK_NULL_HANDLE;       ///< mip 0: storage and attachment
   VkImageUsageFlags usage = 0;
   bool ofSwapchain = false;  ///< image and memory are the swapchain's; the views are ours
+  VkFormat windowFormat = VK_FORMAT_UNDEFINED;  ///< of those: channels in an order that `desc` has no word for
   bool filterable = false;  ///< linear filtering
   Allocation allocation;
   ResourceHistory history;

@@ -96,7 +96,7 @@ std::vector<std::string> MessageLog::take() {
   return std::exchange(messages_, {});
 }
 
-Instance::Instance(bool validation, bool surfaces) : validation_(validation) {
+Instance::Instance(bool validation) : validation_(validation) {
   static const VkResult loader = volkInitialize();
   if (loader != VK_SUCCESS) throw Error(ErrorKind::Device, fmt::format(kNoVulkan, "loader (libvulkan.so.1)"));
   if (volkGetInstanceVersion() < VK_API_VERSION_1_3) {
@@ -133,7 +133,7 @@ Instance::Instance(bool validation, bool surfaces) : validation_(validation) {
     features.pNext = &messenger;
   }
   if (debugLabels_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  surfaces_ = surfaces && std::all_of(std::begin(kSurfaceExtensions), std::end(kSurfaceExtensions),
+  surfaces_ = std::all_of(std::begin(kSurfaceExtensions), std::end(kSurfaceExtensions),
                                       [](const char* name) { return hasExtension(nullptr, name); });
   if (surfaces_) extensions.insert(extensions.end(), std::begin(kSurfaceExtensions), std::end(kSurfaceExtensions));
 

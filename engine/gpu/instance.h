@@ -25,9 +25,8 @@ class MessageLog {
 
 class Instance {
  public:
-  /// `surfaces`: of X windows as well, where the loader has them. @throws Error(Device) without a loader or a driver, or
-  /// where the validation layer is asked for and not installed.
-  explicit Instance(bool validation, bool surfaces = false);
+  /// @throws Error(Device) without a loader or a driver, or where the validation layer is asked for and not installed.
+  explicit Instance(bool validation);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -35,7 +34,7 @@ class Instance {
   VkInstance handle() const { return instance_; }
   bool validation() const { return validation_; }
   bool debugLabels() const { return debugLabels_; }
-  bool surfaces() const { return surfaces_; }
+  bool surfaces() const { return surfaces_; }  ///< of X windows; where the loader has none, nobody misses them
   MessageLog& log() { return log_; }
   /// @throws Error(Device) where there is none.
   std::vector<VkPhysicalDevice> physicalDevices() const;

@@ -19,7 +19,6 @@ const FormatInfo& formatInfo(Format format) {
       {"RG32U", VK_FORMAT_R32G32_UINT, 8, 2, false, true},
       {"RGBA32U", VK_FORMAT_R32G32B32A32_UINT, 16, 4, false, true},
       {"D32F", VK_FORMAT_D32_SFLOAT, 4, 1, true, false},
-      {"BGRA8", VK_FORMAT_B8G8R8A8_UNORM, 4, 4, false, false},  // what windows are made of
   };
   return table[static_cast<size_t>(format)];
 }

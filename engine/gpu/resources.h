@@ -29,7 +29,7 @@ class Buffer {
   std::shared_ptr<BufferState> state_;
 };
 
-enum class Format { R32F, RG32F, RGBA32F, RGBA16F, RGBA8, R32U, RG32U, RGBA32U, D32F, BGRA8 };
+enum class Format { R32F, RG32F, RGBA32F, RGBA16F, RGBA8, R32U, RG32U, RGBA32U, D32F };
 
 /// A 2D image (or array) with one mip level unless said otherwise; storage + sampled + transfer, and attachment where
 /// the format allows.

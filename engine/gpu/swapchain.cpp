@@ -43,7 +43,7 @@ struct Calls {
 };
 
 const Device::Impl& presentable(const Device& device) {
-  if (!device.noPresentation().empty()) throw Error(ErrorKind::Device, device.noPresentation());
+  if (const std::string& why = Swapchain::unavailable(device); !why.empty()) throw Error(ErrorKind::Device, why);
   return device.impl();
 }
 
@@ -64,7 +64,6 @@ struct Swapchain::Impl {
   Calls calls;
   VkSurfaceKHR surface;
   VkSurfaceFormatKHR surfaceFormat{};
-  Format format = Format::BGRA8;
   VkPresentModeKHR mode = VK_PRESENT_MODE_FIFO_KHR;  // the one that every device has
   VkSwapchainKHR handle = VK_NULL_HANDLE;
   VkExtent2D extent{};
@@ -99,11 +98,10 @@ struct Swapchain::Impl {
   void chooseFormat() {
     const auto offered = listed<VkSurfaceFormatKHR>([&](uint32_t* n, VkSurfaceFormatKHR* all) { return calls.formats(device->survey.handle, surface, n, all); }, "the window's formats");
     for (const VkSurfaceFormatKHR& f : offered)
-      for (const Format ours : {Format::BGRA8, Format::RGBA8})
-        if (f.format == formatInfo(ours).vk && f.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) {
-          surfaceFormat = f, format = ours;
-          return;
-        }
+      if ((f.format == VK_FORMAT_B8G8R8A8_UNORM || f.format == VK_FORMAT_R8G8B8A8_UNORM) && f.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) {
+        surfaceFormat = f;
+        return;
+      }
     throw Error(ErrorKind::Device, fmt::format("{} draws to this window neither in BGRA8 nor in RGBA8", device->survey.info.name));
   }
 
@@ -152,7 +150,8 @@ struct Swapchain::Impl {
     auto state = std::make_shared<ImageState>();
     state->device = device;
     state->name = "window";
-    state->desc = {static_cast<int>(extent.width), static_cast<int>(extent.height), format};
+    state->desc = {static_cast<int>(extent.width), static_cast<int>(extent.height), Format::RGBA8};
+    state->windowFormat = surfaceFormat.format;
     state->handle = image;
     state->ofSwapchain = true;
     state->usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
@@ -206,6 +205,8 @@ struct Swapchain::Impl {
 
 Swapchain::Swapchain(Device& device, uint64_t surface) : impl_(std::make_unique<Impl>(device, surface)) {}
 Swapchain::~Swapchain() = default;
+const std::string& Swapchain::unavailable(const Device& device) { return device.impl().noPresentation; }
+std::shared_ptr<void> Swapchain::instanceOf(const Device& device) { return {device.impl().instance, device.impl().instance->handle()}; }
 GpuImage Swapchain::acquire(int timeoutMs) { return impl_->acquire(timeoutMs); }
 bool Swapchain::present() { return impl_->present(); }
 uint64_t Swapchain::built() const { return impl_->built; }

@@ -2,6 +2,7 @@
 // Images of a window, drawn into like any other image and then shown. Nothing is in flight: the engine waits for what it submits, and so does this.
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "engine/gpu/device.h"
 
@@ -9,7 +10,12 @@ namespace hl {
 
 class Swapchain {
  public:
-  /// `surface`: a VkSurfaceKHR made with Device::vulkanInstance(); it must outlive the swapchain.
+  /// Why this device and loader have no swapchains on X windows; "" where they have.
+  static const std::string& unavailable(const Device&);
+  /// The VkInstance, for a window toolkit to make a surface of. It lives as long as any copy of this.
+  static std::shared_ptr<void> instanceOf(const Device&);
+
+  /// `surface`: a VkSurfaceKHR of that instance; it must outlive the swapchain.
   /// @throws Error(Device) saying why the device's queue cannot show anything there.
   Swapchain(Device&, uint64_t surface);
   ~Swapchain();

@@ -81,13 +81,9 @@ void checkCamera(const Scene& scene, const std::string& name) {
                              guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
 }
 
-Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {
-  if (o.device.presentation) presenter = std::make_shared<Presenter>(device);
-}
+Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), presenter(std::make_shared<Presenter>(device)), graph(device, shaders) {}
 /// The window may hold on to the presenter; the device is ours.
-Session::Impl::~Impl() {
-  if (presenter) presenter->end();
-}
+Session::Impl::~Impl() { presenter->end(); }
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Session::~Session() {

@@ -156,7 +156,7 @@ Image Session::image(const std::string& view) {
 /// To the host, to the window, or both.
 void Session::Impl::publishPicture(FrameResult& r) {
   const double start = nowMs();
-  const bool onDevice = presenter && presenter->attached();
+  const bool onDevice = presenter->attached();
   const bool wanted = !onDevice || std::find(imagesWanted.begin(), imagesWanted.end(), "display") != imagesWanted.end();
   const size_t bytes = static_cast<size_t>(r.width) * static_cast<size_t>(r.height) * 4;
   if (showHostView(r)) {

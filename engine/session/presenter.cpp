@@ -51,7 +51,7 @@ struct Presenter::Impl {
   GpuImage kept, none, overlayImage;
   std::shared_ptr<const Overlay> uploaded;
 
-  explicit Impl(Device& d) : device(&d), instance(d.vulkanInstance()), noPresentation(d.noPresentation()), deviceName(d.info().name), cpu(d.isCpu()) {}
+  explicit Impl(Device& d) : device(&d), instance(Swapchain::instanceOf(d)), noPresentation(Swapchain::unavailable(d)), deviceName(d.info().name), cpu(d.isCpu()) {}
 
   uint64_t builtBefore = 0;  ///< of the swapchain, and counted already
   bool announced = false;    ///< that the window is drawn
@@ -89,8 +89,8 @@ void Presenter::Impl::useOverlay(const std::shared_ptr<const Overlay>& overlay) 
   if (overlay == uploaded) return;
   if (overlay) {
     if (!overlayImage || overlayImage.width() != overlay->width || overlayImage.height() != overlay->height)
-      overlayImage = device->image("overlay", {overlay->width, overlay->height, Format::BGRA8});
-    device->upload(overlayImage, 0, overlay->bgra.data(), overlay->bgra.size());
+      overlayImage = device->image("overlay", {overlay->width, overlay->height, Format::RGBA8});
+    device->upload(overlayImage, 0, overlay->rgba.data(), overlay->rgba.size());
   }
   uploaded = overlay;
 }

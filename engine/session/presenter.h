@@ -13,10 +13,10 @@ namespace hl {
 
 class ShaderLibrary;
 
-/// What lies over the picture, as large as the window: BGRA bytes with premultiplied alpha, rows from the top.
+/// What lies over the picture, as large as the window: RGBA8 with premultiplied alpha, rows from the top.
 struct Overlay {
   int width = 0, height = 0;
-  std::vector<unsigned char> bgra;
+  std::vector<unsigned char> rgba;
 };
 
 /// How the window shows the picture, in its own pixels.
@@ -48,7 +48,7 @@ class Presenter {
 
   /// The VkInstance that the surface must be of; it lives as long as this.
   void* vulkanInstance() const;
-  const std::string& noPresentation() const;  ///< why it cannot show anything (Device::noPresentation), or ""
+  const std::string& noPresentation() const;  ///< why it cannot show anything (Swapchain::unavailable), or ""
   const std::string& deviceName() const;
   bool ofCpu() const;  ///< the device is the CPU
   /// From now on pictures are taken from the session, and drawn into `surface` (a VkSurfaceKHR). `answer` is called on the presenter's thread, with ""

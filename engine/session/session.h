@@ -210,7 +210,7 @@ class Session {
   /// @throws Error(BadInput) as checkStep.
   StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
-  /// Shows pictures in a window, where the device was opened for that (DeviceOptions::presentation); it may outlive the session, and then does nothing.
+  /// Shows pictures in a window, for those who have one; it may outlive the session, and then does nothing.
   std::shared_ptr<Presenter> presenter() const;
 
  private:

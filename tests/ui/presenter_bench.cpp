@@ -63,7 +63,6 @@ bool measure(SessionLink& link, Viewport& viewport, Figures& f) {
 int main(int argc, char** argv) {
   QApplication app(argc, argv);
   SessionOptions options;
-  options.device.presentation = true;
   SessionLink link(options);
   std::shared_ptr<Presenter> presenter;
   QObject::connect(&link, &EngineLink::presenterReady, [&](const std::shared_ptr<Presenter>& p) { presenter = p; });

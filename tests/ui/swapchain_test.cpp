@@ -135,7 +135,7 @@ class SwapchainTest : public QObject {
     savePreset(smallPreset(), folder_.filePath("small.json").toStdString());
     settings_ = std::make_unique<Settings>(folder_.filePath("settings.ini"));
     SessionOptions options;
-    options.device.validation = options.device.presentation = true;
+    options.device.validation = true;
     link_ = std::make_unique<SessionLink>(options);
     connect(link_.get(), &EngineLink::presenterReady, this, [this](const std::shared_ptr<Presenter>& p) { presenter_ = p; });
     window_ = std::make_unique<MainWindow>(*link_, *settings_, folder_.filePath("small.json"));
