@@ -1,5 +1,7 @@
 #include "ui/files.h"
 
+#include <QJsonDocument>
+#include <QJsonObject>
 #include <cctype>
 
 #include "engine/core/error.h"
