@@ -9,6 +9,7 @@
 
 #include "engine/session/presenter.h"
 #include "engine/session/session.h"
+#include "engine/session/session_gate.h"
 
 namespace hl::ui {
 
@@ -60,6 +61,10 @@ class EngineLink : public QObject {
   virtual void setPaused(bool) = 0;
   virtual std::shared_ptr<const FrameResult> latest() const = 0;
   virtual std::shared_ptr<const Progress> progress() const = 0;
+  /// What another session is made with, so that it measures what this one shows.
+  virtual SessionOptions sessionOptions() const = 0;
+  /// Closed, the session rests: nothing else of ours runs while a sweep measures. It outlives the link where someone holds it.
+  virtual std::shared_ptr<SessionGate> gate() const = 0;
 
  signals:
   /// Shows pictures from the device; comes with each session, before its first frame, where one has such a thing.

@@ -62,6 +62,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   buildStatusBar();
   connectEngine();
   connectTools();
+  connectSweep();
   restoreLayout();
   updateTitle();
   viewport_->setWaiting(tr("Starting the engine..."));
@@ -92,7 +93,13 @@ void MainWindow::buildStatusBar() {
   restart_->setText(tr("Start the engine again"));
   restart_->hide();
   statusBar()->addWidget(status_, 1);
+  sweepStatus_ = new QToolButton(this);
+  sweepStatus_->setObjectName(QStringLiteral("sweepStatus"));
+  sweepStatus_->setAutoRaise(true);
+  sweepStatus_->setToolTip(tr("A sweep measures: the picture rests meanwhile, and edits show between two runs"));
+  sweepStatus_->hide();
   statusBar()->addPermanentWidget(restart_);
+  statusBar()->addPermanentWidget(sweepStatus_);
   statusBar()->addPermanentWidget(loading_);
   statusBar()->addPermanentWidget(cancelLoading_);
   connect(cancelLoading_, &QToolButton::clicked, this, [this] { link_.cancel(); });

@@ -32,6 +32,7 @@ class ProfilerPanel;
 class RegionsEditor;
 class ScenePanel;
 class ShaderWatcher;
+class SweepPanel;
 class TechniquePanel;
 class Viewport;
 class ViewportBar;
@@ -47,6 +48,7 @@ class MainWindow : public QMainWindow {
   Viewport& viewport() { return *viewport_; }
   Compare& compare() { return compare_; }
   TechniquePanel& techniquePanel() { return *technique_; }
+  SweepPanel& sweepPanel() { return *sweep_; }
   QList<QDockWidget*> docks() const { return docks_; }
   QString noticeText() const { return error_; }
   /// For this run; what the menu was left at is kept in the settings.
@@ -60,6 +62,8 @@ class MainWindow : public QMainWindow {
   /// The present one as it was meant.
   void resetLayout();
   void showShortcuts();
+  /// Whatever a person may open: a preset, scene, mesh, screenshot, bundle, experiment, or a folder of results.
+  void openPath(const QString& path);
 
  protected:
   void closeEvent(QCloseEvent*) override;
@@ -74,6 +78,9 @@ class MainWindow : public QMainWindow {
   void buildCompareMenu();
   void showComparison();
   void buildStatusBar();
+  void connectSweep();
+  void askToStopSweep();
+  void showDock(const QString& name);
   void connectEngine();
   void listFiles();
   void saveLayout();
@@ -96,6 +103,7 @@ class MainWindow : public QMainWindow {
   void storeBookmark(int number);
   void stepExposure(double stops);
   void setPaused(bool);
+  void showPaused();
   void giveViewportCamera();
   void restartEngine();
   void choosePresenter();
@@ -119,6 +127,7 @@ class MainWindow : public QMainWindow {
   RegionsEditor* regions_;
   ComparePanel* comparePanel_;
   InspectorPanel* inspector_;
+  SweepPanel* sweep_;
   LogPanel* log_;
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;
@@ -138,13 +147,14 @@ class MainWindow : public QMainWindow {
   QProgressBar* loading_ = nullptr;
   QToolButton* cancelLoading_ = nullptr;
   QToolButton* restart_ = nullptr;
+  QToolButton* sweepStatus_ = nullptr;
   QTimer panelTimer_, progressTimer_, errorTimer_;
   QElapsedTimer loadingSince_;
   const void* loadingWhat_ = nullptr;
   std::shared_ptr<const FrameResult> frame_;
   QString error_, frameMessage_;
   std::optional<QPoint> focusPixel_;
-  bool closeDecided_ = false, closeAfterSave_ = false;
+  bool closeDecided_ = false, closeAfterSave_ = false, closeAfterSweep_ = false;
 };
 
 }  // namespace hl::ui

@@ -8,7 +8,9 @@
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
+#include <QPushButton>
 #include <QStatusBar>
+#include <QToolButton>
 #include <algorithm>
 #include <tuple>
 
@@ -17,11 +19,14 @@
 #include "ui/figure_dialog.h"
 #include "ui/inspector.h"
 #include "ui/main_window.h"
+#include "ui/parameter_panel.h"
 #include "ui/preset_actions.h"
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
 #include "ui/shortcuts_dialog.h"
+#include "ui/sweep_dock.h"
+#include "ui/technique_dock.h"
 #include "ui/viewport.h"
 #include "ui/viewport_bar.h"
 
@@ -202,6 +207,48 @@ void MainWindow::connectTools() {
   connect(&document_, &Document::regionsChanged, this, &MainWindow::updateRegions);
 }
 
+void MainWindow::showDock(const QString& name) {
+  auto* dock = findChild<QDockWidget*>(name);
+  dock->show();
+  dock->raise();
+}
+
+void MainWindow::connectSweep() {
+  connect(&technique_->parameters(), &ParameterPanel::sweepWanted, this, [this](const std::string& key) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->sweepParameter(key);
+  });
+  connect(files_, &PresetActions::experimentOpened, this, [this](const QString& path) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->openExperiment(path);
+  });
+  connect(files_, &PresetActions::resultsOpened, this, [this](const QString& folder) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->openResults(folder);
+  });
+  connect(sweep_, &SweepPanel::presetChosen, this, [this](const Preset& preset, const QString& label) {
+    document_.restore(preset, tr("configuration %1").arg(label));
+    statusBar()->showMessage(tr("Loaded %1; undo brings back what was there").arg(label), 5000);
+  });
+  connect(sweep_, &SweepPanel::message, this, [this](const QString& text) {
+    logInfo(text.toStdString());
+    statusBar()->showMessage(text, 8000);
+  });
+  connect(sweep_, &SweepPanel::refused, this, [this](const QString& why) {
+    logError(why.toStdString());
+    showError(why);
+  });
+  connect(sweep_, &SweepPanel::statusChanged, this, [this](const QString& text) {
+    sweepStatus_->setText(text);
+    sweepStatus_->setVisible(!text.isEmpty());
+  });
+  connect(sweepStatus_, &QToolButton::clicked, this, [this] { showDock(QStringLiteral("sweepDock")); });
+  connect(sweep_, &SweepPanel::busyChanged, this, [this](bool busy) {
+    showPaused();
+    if (!busy && closeAfterSweep_) close();
+  });
+}
+
 void MainWindow::updateRegions() { viewport_->setRegions(showRegions_->isChecked() ? document_.regions() : std::vector<Region>()); }
 
 void MainWindow::showComparison() {
@@ -230,8 +277,11 @@ void MainWindow::stepExposure(double stops) {
 
 void MainWindow::setPaused(bool paused) {
   link_.setPaused(paused);
-  viewport_->setPaused(paused);
+  showPaused();
 }
+
+/// A sweep holds the session by its gate; what the person chose stands again afterwards.
+void MainWindow::showPaused() { viewport_->setPaused(pause_->isChecked() || sweep_->runner().busy()); }
 
 /// Not an edit: the preset keeps its view while the key is held.
 void MainWindow::holdReference(bool held) {
@@ -276,6 +326,22 @@ void MainWindow::storeBookmark(int number) {
   statusBar()->showMessage(tr("Camera kept under %1").arg(number), 4000);
 }
 
+/// The sweep writes its tables before it is over; then the window closes.
+void MainWindow::askToStopSweep() {
+  auto* box = new QMessageBox(QMessageBox::Question, tr("A sweep is running"),
+                              tr("Stop it and close? What is done is kept, and the same experiment into the same folder goes on."), QMessageBox::NoButton, this);
+  box->setObjectName(QStringLiteral("stopSweepQuestion"));
+  QPushButton* stop = box->addButton(tr("&Stop and close"), QMessageBox::AcceptRole);
+  box->setDefaultButton(box->addButton(tr("&Go on"), QMessageBox::RejectRole));
+  box->setAttribute(Qt::WA_DeleteOnClose);
+  connect(stop, &QPushButton::clicked, this, [this] {
+    closeAfterSweep_ = true;
+    sweep_->runner().cancelAll();
+    if (!sweep_->runner().busy()) close();
+  });
+  box->open();
+}
+
 void MainWindow::closeEvent(QCloseEvent* event) {
   const bool worthAsking = document_.modified() && (!document_.path().isEmpty() || document_.undoStack().count() > 0);
   if (worthAsking && !closeDecided_) {
@@ -295,6 +361,11 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     box->open();
     return;
   }
+  if (sweep_->runner().busy()) {
+    event->ignore();
+    if (!closeAfterSweep_) askToStopSweep();
+    return;
+  }
   saveLayout();
   QMainWindow::closeEvent(event);
 }
@@ -307,6 +378,8 @@ void MainWindow::changeEvent(QEvent* event) {
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
   if (PresetActions::acceptable(*event->mimeData())) event->acceptProposedAction();
 }
+
+void MainWindow::openPath(const QString& path) { files_->openPath(path); }
 
 void MainWindow::dropEvent(QDropEvent* event) {
   event->acceptProposedAction();

@@ -23,7 +23,7 @@ void SessionLink::restart() {
 void SessionLink::start() {
   ++epoch_;
   announced_ = nullptr;  // no thread runs
-  thread_ = std::make_unique<SessionThread>(options_);
+  thread_ = std::make_unique<SessionThread>(options_, gate_);
   thread_->setCallbacks(
       [this] {
         // One waiting event is enough however fast frames come: its receiver takes the newest.

@@ -45,6 +45,8 @@ class SessionLink : public EngineLink {
   void setPaused(bool) override;
   std::shared_ptr<const FrameResult> latest() const override;
   std::shared_ptr<const Progress> progress() const override;
+  SessionOptions sessionOptions() const override { return options_; }
+  std::shared_ptr<SessionGate> gate() const override { return gate_; }
 
  private:
   using Edit = std::function<void(Session&)>;
@@ -61,6 +63,7 @@ class SessionLink : public EngineLink {
   void start();
 
   SessionOptions options_;
+  std::shared_ptr<SessionGate> gate_ = std::make_shared<SessionGate>();
   QThreadPool files_;
   std::atomic<bool> framePending_{false};
   quint64 epoch_ = 0;

@@ -192,7 +192,7 @@ void Session::Impl::makeTechnique(const std::string& id) {
   held = false;
 }
 
-void Session::load(const Preset& preset, Progress* progress) {
+void Session::load(const Preset& preset, Progress* progress, const std::shared_ptr<const Scene>& loaded) {
   Impl& s = *impl_;
   Progress& p = progress ? *progress : *impl_->progress;
   checkResolution(preset.width, preset.height);
@@ -212,7 +212,7 @@ void Session::load(const Preset& preset, Progress* progress) {
   }
   checkView(preset.display.view, *technique);
   const std::filesystem::path beside = isBundleFile(preset.file) ? preset.file : preset.file.parent_path();
-  auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
+  auto scene = std::make_shared<Scene>(loaded ? *loaded : loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   checkPlayback(*scene, preset.animation);
   if (preset.lights) applyLights(*scene, *preset.lights);

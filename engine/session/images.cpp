@@ -47,8 +47,17 @@ Image SurfaceImages::composite(const Image& direct, const Image& indirect) const
   return out;
 }
 
+std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(bool composite) const {
+  ReferenceSurfaces out{position, geometricNormal, {}, {}};
+  if (composite) {
+    out.gain = albedo, out.offset = emission;
+    for (float& x : out.gain.data) x /= kPi;
+  }
+  return std::make_shared<const ReferenceSurfaces>(std::move(out));
+}
+
 SurfaceImages Session::Impl::surfaceImages() {
-  return {device.download(gbuffer.position), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
+  return {device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
 }
 
 Image Session::Impl::indirectIrradiance() {
@@ -66,7 +75,8 @@ ReferenceImage Session::Impl::referenceImage(const std::string& name) {
   if (name == "reference_direct") return run->result->directImage();
   ReferenceImage irradiance = run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
   if (name.ends_with("_indirect")) return irradiance;
-  return surfaceImages().composite(run->result->directImage(), irradiance);
+  // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
+  return surfaceImages().composite(full.result->directImage(), irradiance);
 }
 
 Image Session::Impl::linearImage(const std::string& name) {
@@ -111,7 +121,7 @@ bool Session::Impl::motionWanted() const {
 const ReferenceRun* Session::Impl::matchedRun() const {
   if (!referencesStarted()) return nullptr;  // the technique was changed since
   const ReferenceRun& run = matched.tracer ? matched : full;
-  return run.result ? &run : nullptr;
+  return run.result && full.result ? &run : nullptr;  // direct light is the full one's
 }
 
 void Session::Impl::publishImages(FrameResult& r) {

@@ -79,6 +79,7 @@ struct WorkReport {
 struct ConvergencePoint {
   uint64_t frame = 0;
   double ms = 0;            ///< of work since the reset, frames and units
+  double shownMs = 0;       ///< as FrameResult::settledMs would be, had the work ended here
   std::vector<ErrorValue> errors;
 };
 
@@ -101,7 +102,7 @@ struct FrameResult {
   uint64_t workUnits = 0;            ///< ... and how many
   double sinceResetMs = 0;           ///< frames and units of work since the reset
   uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
-  double settledMs = 0;              ///< sinceResetMs at that frame
+  double settledMs = 0;              ///< units of work and that frame: frames that show work unfinished are not its own. Of a technique that converges over frames: sinceResetMs
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
@@ -137,7 +138,8 @@ class Session {
   void useProgress(std::shared_ptr<Progress>);
 
   // Edits. Each is checked here and takes effect at the next frame; one that throws Error(BadInput) leaves everything as it was.
-  void load(const Preset&, Progress* = nullptr);
+  /// `loaded`: the preset's scene, as loadScene() gives it, where the caller has it already.
+  void load(const Preset&, Progress* = nullptr, const std::shared_ptr<const Scene>& loaded = nullptr);
   void setScene(const std::string& nameOrPath, Progress* = nullptr);  ///< keeps technique, parameters and display
   void setTechnique(const std::string& id);
   void setParam(const std::string& key, const std::string& text);
@@ -176,10 +178,10 @@ class Session {
 
   /// Drains edits, renders one frame, publishes. Between frames it gives long work `slice_ms`.
   std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
-  /// Frames until nothing would change any more (bake and direct light settled).
-  std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
-  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine.
-  void finishWork(Progress* = nullptr);
+  /// Frames until nothing would change any more (bake and direct light settled). @throws Error(Run) once preparation and work take longer than `limitMs` (0: no limit).
+  std::shared_ptr<const FrameResult> settle(Progress* = nullptr, double limitMs = 0);
+  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine. @throws as settle.
+  void finishWork(Progress* = nullptr, double limitMs = 0);
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
