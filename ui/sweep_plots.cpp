@@ -102,6 +102,15 @@ void SweepPlots::readChoices() {
   choice_.metric = metric_->currentData().toString().toStdString();
   choice_.reference = reference_->currentData().toString().toStdString();
   showChoices();
+  emit choiceChanged();
+}
+
+void SweepPlots::choose(const PlotChoice& choice) {
+  choice_ = choice;
+  cost_->setCurrentIndex(std::max(0, cost_->findData(static_cast<int>(choice.cost))));
+  fillChoices();
+  showChoices();
+  emit choiceChanged();
 }
 
 void SweepPlots::showChoices() {

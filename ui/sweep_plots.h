@@ -26,12 +26,16 @@ class SweepPlots : public QWidget {
   /// In all plots.
   void select(std::optional<size_t> configuration);
   const PlotChoice& choice() const { return choice_; }
+  /// As far as the view has it.
+  void choose(const PlotChoice&);
   const std::vector<SweepPlot*>& plots() const { return plots_; }
   SpeedErrorPlot& speedError() { return *speedError_; }
 
  signals:
   /// A click on a point, line or bar: results.configurations[configuration] is wanted.
   void chosen(size_t configuration);
+  /// Someone chose what is shown.
+  void choiceChanged();
 
  private:
   void readChoices();
