@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "engine/core/csv.h"
 #include "engine/metrics/metrics.h"
@@ -59,7 +60,11 @@ void ConvergencePlot::draw() {
   size_t left = 0, points = 0;
   for (ConvergenceCurve& c : curves_) {
     ConvergenceCurve kept{c.configuration, c.seed, c.repeat, {}, {}, {}, {}};
-    for (size_t i = 0; i < c.ms.size(); ++i) {
+    // The last point of a run, the picture that is measured, may be of a moment before the last that was followed.
+    std::vector<size_t> order(c.ms.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return byTime ? c.ms[a] < c.ms[b] : c.frames[a] < c.frames[b]; });
+    for (const size_t i : order) {
       const double x = byTime ? c.ms[i] : c.frames[i];
       if (!(x > 0) || !std::isfinite(x) || !std::isfinite(c.errors[i]) || (logarithmic_ && !(c.errors[i] > 0))) {
         ++left;
@@ -125,7 +130,7 @@ void ConvergencePlot::draw() {
   plot_->legend->setWrap(kLegendColumns);
   QStringList notes;
   if (!byTime && r.experiment.stop.kind == StopRule::Kind::Settled) notes << tr("Frames shown while work goes on are the machine's pace.");
-  if (left) notes << tr("%n value(s) not above 0 left out.", nullptr, static_cast<int>(left));
+  if (left) notes << tr("Left out, not above 0: %1 values.").arg(left);
   if (const size_t missing = r.plan.size() - r.done()) notes << tr("%1 of %2 runs are missing.").arg(missing).arg(r.plan.size());
   note_ = notes.join(QLatin1Char(' '));
 }

@@ -114,6 +114,7 @@ history["error"] = badness(METRIC, history["value"])
 fig, axes = plt.subplots(1, 2, figsize=(12, 5), sharey=True)
 for (configuration, seed, repeat), rows in history.groupby(["configuration", "seed", "repeat"]):
     for ax, over in zip(axes, ["ms", "frames"]):
+        rows = rows.sort_values(over)
         ax.plot(rows[over], rows["error"], marker=".", color=f"C{int(configuration) % 10}", label=names[configuration] if seed == history["seed"].min() and repeat == 0 and len(names) <= 10 else None)
 for ax, over in zip(axes, ["ms", "frames"]):
     ax.set_xscale("log")

@@ -211,9 +211,9 @@ void SpeedErrorPlot::makeNote() {
   }
   QStringList parts;
   if (const size_t missing = view_->results.plan.size() - view_->results.done()) parts << tr("%1 of %2 runs are missing.").arg(missing).arg(view_->results.plan.size());
-  if (failed) parts << tr("%n configuration(s) failed.", nullptr, failed);
-  if (without) parts << tr("%n configuration(s) without a cost or error above 0 left out.", nullptr, without);
-  if (limits) parts << tr("%n error(s) not told from 0, drawn at the top of the interval.", nullptr, limits);
+  if (failed) parts << tr("Failed: %1.").arg(failed);
+  if (without) parts << tr("Left out, without a cost and an error above 0: %1.").arg(without);
+  if (limits) parts << tr("Not told from 0, drawn at the top of the interval: %1.").arg(limits);
   note_ = parts.join(QLatin1Char(' '));
 }
 

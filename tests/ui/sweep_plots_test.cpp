@@ -166,7 +166,7 @@ class SweepPlotsTest : public QObject {
     SpeedErrorPlot plot(colours);
     picture(plot, {0, "full", "relmse", FrontAxis::Memory});  // direct light alone takes none
     QCOMPARE(plot.marks().size(), size_t(4));
-    QVERIFY2(plot.note().contains("1 configuration"), qPrintable(plot.note()));
+    QVERIFY2(plot.note().contains("above 0: 1."), qPrintable(plot.note()));
     picture(plot, {0, "full", "psnr", FrontAxis::Total});
     QCOMPARE(plot.plot().yAxis->scaleType(), QCPAxis::stLinear);
     QVERIFY(plot.plot().yAxis->rangeReversed());  // more decibels are better, and better is lower
