@@ -19,7 +19,7 @@ constexpr int kFewest = 4, kFewestForSlope = 8;
 // Added to the squared offsets, so that neighbours in a row leave the slope across it at 0.
 constexpr double kLevelling = 0.5;
 // Darker than the guess by so many standard deviations can be luck; by so many more the guess is wrong, and the pixel is believed.
-constexpr double kLuck = 3, kNoLuck = 5;
+constexpr double kLuck = 4, kNoLuck = 5;
 
 /// In units in which the reference is smooth across a surface: without the offset, over the gain.
 struct Sample {
@@ -144,9 +144,9 @@ CalmedReference calmedReference(const ReferenceImage& reference, const std::vect
       double deviation = gain * std::sqrt(variance);
       guess = static_cast<double>(in.offset(i, c)) + gain * guess;
       const double level = std::max(guess, gain * std::sqrt(ofGuess)), r = static_cast<double>(reference.mean.pixel(x, y)[c]);
-      // A dark pixel's noise is less than its neighbours', by as much as it is darker.
-      const double surely = deviation > 0 ? std::clamp(((level - r) / deviation - kLuck) / (kNoLuck - kLuck), 0.0, 1.0) : 0;
+      // A dark pixel's noise is less than its neighbours', by as much as it is darker; below 0, where no light is, there is nothing but noise.
       const double darker = level > 0 ? std::clamp(r / level, 0.0, 1.0) : 1;
+      const double surely = deviation > 0 && r >= 0 ? std::clamp(((level - r) / deviation - kLuck) / (kNoLuck - kLuck), 0.0, 1.0) : 0;
       const double calm = deviation > 0 ? std::min(1.0, kOwnNoise * level / deviation) : 1, own = calm + (1 - calm) * surely;
       deviation *= 1 - surely * (1 - darker);
       out.guess.pixel(x, y)[c] = static_cast<float>(guess);

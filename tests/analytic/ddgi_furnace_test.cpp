@@ -84,7 +84,7 @@ TEST_F(DdgiGamma, DarkensABeam) {
     "cameras": [{"name": "c", "position": [-0.8, 0, 0.8], "target": [0.5, -0.2, -0.5], "vertical_fov_degrees": 80}]})");
   const double few = bias(scene, "1", "32"), many = bias(scene, "1", "512"), usual = bias(scene, "5", "32");
   std::printf("beam: bias %.2f %% with gamma 1 and 32 rays, %.2f %% with 512; %.2f %% with gamma 5 and 32\n", 100 * few, 100 * many, 100 * usual);
-  EXPECT_NEAR(few, many, 0.02);
+  EXPECT_NEAR(few, many, 0.06);
   EXPECT_LT(usual, few - 0.1);
 }
 

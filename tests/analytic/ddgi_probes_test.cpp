@@ -60,7 +60,7 @@ TEST_F(DdgiProbesTest, BatchesDoNotShow) {
   auto session = makeSession();
   Preset p = small("furnace_box_050");
   p.parameters["ddgi.rays"] = "1024";
-  p.parameters["ddgi.spacing"] = "0.14";  // more rays than a batch holds
+  p.parameters["ddgi.spacing"] = "0.17";  // more rays than a batch holds
   p.parameters["ddgi.distance_texels"] = "4";
   session->load(p);
   const auto f = frames(*session, 9);

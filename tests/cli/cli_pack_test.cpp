@@ -108,7 +108,8 @@ TEST_F(CliPack, AnExperimentsBundleGivesTheSameTableElsewhere) {
     const CliResult packed = runCli(arguments);
     ASSERT_EQ(packed.code, 0) << packed.err;
     size_t scenes = 0, traced = 0, experiments = 0;
-    for (const json& part : json::parse(packed.out).at("parts")) {
+    const json listing = json::parse(packed.out);
+    for (const json& part : listing.at("parts")) {
       const std::string name = part.at("name");
       scenes += name == "scene/cornell_box", experiments += name == "experiment", traced += name.starts_with("cache/references/");
     }

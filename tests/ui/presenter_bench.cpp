@@ -43,7 +43,7 @@ struct Figures {
   std::vector<double> publish, window;
 };
 
-bool measure(SessionLink& link, Viewport& viewport, Figures& f) {
+bool measure(SessionLink& link, Figures& f) {
   for (int i = 0; i < kFrames; ++i) {
     const uint64_t before = link.latest()->number;
     const double cpu = threadCpuMs();
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
       for (const bool device : {false, true}) {
         viewport.usePresenter(device ? presenter : nullptr);
         if (device && !waitFor([&] { return viewport.swapchainView()->isShown(); })) return 1;
-        if (!measure(link, viewport, round == 0 ? warm : device ? swapchain : readBack)) return 1;
+        if (!measure(link, round == 0 ? warm : device ? swapchain : readBack)) return 1;
       }
     viewport.usePresenter(nullptr);
     link.setPaused(false);

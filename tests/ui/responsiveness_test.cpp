@@ -32,6 +32,7 @@ namespace {
 using namespace hl;
 using namespace hl::ui;
 
+const SessionOptions kOptions;        // as they come
 constexpr int kLongest = 240000;      // ms
 constexpr double kLimitMs = 50;
 // What waits for the engine waits for a frame, an import or a unit of the bake: hundreds of milliseconds. Painting has a bound of its own, for it waits for
@@ -141,7 +142,7 @@ class ResponsivenessTest : public QObject {
     p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.samples", "64"}, {"radiosity.bounces", "4"}, {"reference.samples", "8"}};
     const QString file = folder.filePath("experiment.json");
     savePreset(p, file.toStdString());
-    SessionLink link{SessionOptions{}};
+    SessionLink link{kOptions};
     MainWindow window(link, settings, file);
     window.show();
     QVERIFY(QTest::qWaitForWindowExposed(&window));
@@ -177,7 +178,7 @@ class ResponsivenessTest : public QObject {
     p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.samples", "32"}, {"radiosity.bounces", "2"}, {"reference.samples", "512"}};
     const QString file = folder.filePath("experiment.json");
     savePreset(p, file.toStdString());
-    SessionLink link{SessionOptions{}};
+    SessionLink link{kOptions};
     MainWindow window(link, settings, file);
     window.show();
     QVERIFY(QTest::qWaitForWindowExposed(&window));
@@ -225,7 +226,7 @@ class ResponsivenessTest : public QObject {
     p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.bounces", "3"}, {"reference.samples", "16"}, {"reference.direct_samples", "4"}};
     const QString file = folder.filePath("base.json");
     savePreset(p, file.toStdString());
-    SessionLink link{SessionOptions{}};
+    SessionLink link{kOptions};
     MainWindow window(link, settings, file);
     window.show();
     QVERIFY(QTest::qWaitForWindowExposed(&window));
@@ -285,7 +286,7 @@ class ResponsivenessTest : public QObject {
       p.parameters = {{"lightmap.resolution", "128"}, {"radiosity.samples", "16"}, {"radiosity.bounces", "2"}, {"direct.lumel_samples", "4"}, {"direct.samples", "4"}};
       const QString file = folder.filePath("experiment.json");
       savePreset(p, file.toStdString());
-      SessionLink link{SessionOptions{}};
+      SessionLink link{kOptions};
       MainWindow window(link, settings, file);
       window.show();
       QVERIFY(QTest::qWaitForWindowExposed(&window));

@@ -142,6 +142,7 @@ class SwapchainTest : public QObject {
     listen();
     window_->setPresenterWish(PresenterWish::Swapchain);
     window_->show();
+    window_->resize(1100, 900);
     viewport().setFixedSize(4 * kWidth, 4 * kHeight);
     QVERIFY(QTest::qWaitFor([&] { return presenter_ && link_->latest(); }, kLongest));
   }
@@ -186,7 +187,11 @@ class SwapchainTest : public QObject {
   }
 
   void docksFloatTabifyAndClose() {
-    for (QDockWidget* d : window_->docks()) d->setFloating(true);
+    int place = 0;
+    for (QDockWidget* d : window_->docks()) {
+      d->setFloating(true);
+      d->move(1150, 20 + 60 * place++);  // not over the picture
+    }
     QVERIFY(showsTheFrame(viewport()));
     for (QDockWidget* d : window_->docks()) d->close();
     QVERIFY(showsTheFrame(viewport()));

@@ -417,7 +417,7 @@ class SweepPlotsTest : public QObject {
     ErrorPlot errors;
     errors.resize(400, 300);
     std::vector<ConvergencePoint> points;
-    for (uint64_t i = 1; i <= 3; ++i) points.push_back({i, static_cast<double>(i) * 1000, {{"matched", "image", "indirect", "relmse", 0.1 / static_cast<double>(i), 0.001, 0, 0, ""}, {"full", "image", "indirect", "relmse", 0.2, 0, 0, 0, ""}}});
+    for (uint64_t i = 1; i <= 3; ++i) points.push_back({i, static_cast<double>(i) * 1000, static_cast<double>(i) * 1000, {{"matched", "image", "indirect", "relmse", 0.1 / static_cast<double>(i), 0.001, 0, 0, ""}, {"full", "image", "indirect", "relmse", 0.2, 0, 0, 0, ""}}});
     errors.draw(points, "relmse", "indirect", false);
     QCOMPARE(errors.csv(), std::string("seconds,metric,matched,full,noise_floor_matched\n1,relmse,0.1,0.2,0.001\n2,relmse,0.05,0.2,0.001\n3,relmse,0.03333333333333333,0.2,0.001\n"));
     PassPalette colours;

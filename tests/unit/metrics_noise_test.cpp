@@ -329,7 +329,7 @@ TEST(Denominator, BelievesAPixelThatCannotBeDarkByLuck) {
         for (int c = 0; c < 3; ++c) {
           const float level = x % 8 == 4 && y % 8 == 4 ? kDark : kBright;
           float &a = reference.halfA.pixel(x, y)[c], &b = reference.halfB.pixel(x, y)[c];
-          a = fewPaths(level, 256, random), b = fewPaths(level, 256, random);
+          a = fewPaths(level, 1024, random), b = fewPaths(level, 1024, random);
           reference.mean.pixel(x, y)[c] = (a + b) / 2, exact.mean.pixel(x, y)[c] = level;
         }
     truth = measure("relmse", value, exact).value;

@@ -29,11 +29,22 @@ class Ddgi final : public Technique {
   }
   void reset() override {
     followed_ = false;
+    frames_ = sinceChange_ = 0;
     if (probes_) probes_->restart(params_);
   }
-  uint32_t framesToSettle() const override { return probes_ ? settlingFrames(probes_->albedo(), params_, followed_) : 0; }
+  bool follows(Change) const override { return true; }
+  /// A camera asks nothing of probes: frames before it moved count.
+  uint32_t framesToSettle() const override {
+    if (!probes_) return 0;
+    const uint32_t wanted = settlingFrames(probes_->albedo(), params_, followed_);
+    return sinceChange_ + (wanted > frames_ ? wanted - frames_ : 0);
+  }
 
   IndirectLight record(FrameGraph& graph, const FrameInputs& in) override {
+    if (in.geometryMoved) probes_->geometryChanged();
+    if ((in.geometryMoved || in.lightsChanged) && frames_ > 0) followed_ = true, frames_ = 0;
+    ++frames_;
+    sinceChange_ = in.sinceChange + 1;
     probes_->record(graph, in.frame, in.seed);
     viewer_ = in.camera.position;
     result_ = sized(result_, "ddgi: pixels", in.gbuffer);
@@ -104,6 +115,7 @@ class Ddgi final : public Technique {
   std::unique_ptr<DdgiProbes> probes_;
   GpuImage result_, shown_;
   vec3 viewer_{0.0f};
+  uint32_t frames_ = 0, sinceChange_ = 0;  ///< since the last reset or followed change of light or geometry; since that, or one of the camera
   bool followed_ = false;  ///< something changed since the last reset, and the probes carried on
 };
 
