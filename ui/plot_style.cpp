@@ -136,4 +136,14 @@ void drawNothing(QCustomPlot& plot, const QString& why) {
   text->setText(why);
 }
 
+void settleLayout(QCustomPlot& plot, QSize size) {
+  constexpr int kPasses = 3;  // as many as there are parts above one another
+  if (size.isEmpty()) return;
+  const QRect before = plot.viewport();
+  plot.setViewport(QRect(QPoint(0, 0), size));
+  for (int pass = 0; pass < kPasses; ++pass)
+    for (const auto phase : {QCPLayoutElement::upPreparation, QCPLayoutElement::upMargins, QCPLayoutElement::upLayout}) plot.plotLayout()->update(phase);
+  plot.setViewport(before);
+}
+
 }  // namespace hl::ui

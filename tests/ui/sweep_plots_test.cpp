@@ -15,6 +15,7 @@
 #include "ui/pass_bars.h"
 #include "ui/pass_stack_plot.h"
 #include "ui/plot_export.h"
+#include "ui/plot_style.h"
 #include "ui/speed_error_plot.h"
 
 namespace {
@@ -51,6 +52,7 @@ class SweepPlotsTest : public QObject {
     plot.resize(kSize);
     plot.setView(view_, choice);
     plot.drawNow();
+    settleLayout(plot.plot(), kSize);
     return plot.plot().toPixmap(kSize.width(), kSize.height()).toImage();
   }
   const Front& summaryFront(FrontAxis axis, const std::string& reference) const {
