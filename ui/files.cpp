@@ -1,5 +1,7 @@
 #include "ui/files.h"
 
+#include <QJsonDocument>
+#include <QJsonObject>
 #include <cctype>
 
 #include "engine/core/error.h"
@@ -10,6 +12,18 @@
 #include "engine/session/results_json.h"
 
 namespace hl::ui {
+
+FileKind kindOfFile(const std::filesystem::path& path) {
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) return std::filesystem::exists(path / "experiment.json", none) ? FileKind::Results : FileKind::Other;
+  if (path.extension() != ".json" || !std::filesystem::is_regular_file(path, none)) return FileKind::Other;
+  try {
+    const QJsonObject o = QJsonDocument::fromJson(QByteArray::fromStdString(readFile(path))).object();
+    return o.contains("base") && !o.contains("scene") ? FileKind::Experiment : FileKind::Other;
+  } catch (const Error&) {
+    return FileKind::Other;  // whoever opens it says why it cannot be read
+  }
+}
 
 std::string provenanceJson(const FrameResult& f) { return hl::provenanceJson(f.provenance, f.displayHash); }
 

@@ -8,6 +8,7 @@
 #include "engine/scene/animation.h"
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
+#include "engine/session/presenter.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -80,12 +81,15 @@ void checkCamera(const Scene& scene, const std::string& name) {
                              guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
 }
 
-Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {}
+Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), presenter(std::make_shared<Presenter>(device)), graph(device, shaders) {}
+/// The window may hold on to the presenter; the device is ours.
+Session::Impl::~Impl() { presenter->end(); }
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Session::~Session() {
   for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
 }
+std::shared_ptr<Presenter> Session::presenter() const { return impl_->presenter; }
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
 
 void Session::Impl::summarise() { summary = summaryOf(*scene, pose); }
@@ -362,7 +366,8 @@ void Session::setReferenceWanted(bool wanted) {
   impl_->referenceStopped = false;
 }
 void Session::setImagesWanted(const std::vector<std::string>& names) {
-  const std::vector<std::string> known = impl_->imageNames();
+  std::vector<std::string> known = impl_->imageNames();
+  known.emplace_back("display");
   for (const std::string& name : names)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));

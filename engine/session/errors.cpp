@@ -126,7 +126,8 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
-    ReferenceImage whole{surfaces.composite(sun.mean, truth.mean), surfaces.composite(sun.halfA, truth.halfA), surfaces.composite(sun.halfB, truth.halfB), ofFinal};
+    ReferenceImage whole = surfaces.composite(sun, truth);
+    whole.surfaces = ofFinal;
     truth.surfaces = ofIndirect;
     truths.push_back({matched ? "matched" : "full", std::move(truth), std::move(whole)});
   }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "engine/core/hash.h"
 #include "engine/core/log.h"
 #include "engine/scene/animation.h"
 #include "engine/session/session_impl.h"
@@ -161,11 +160,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.width = width, r.height = height;
   r.time = s.time, r.playing = running, r.camera = camera;
   r.view = viewId;
-  r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
-  s.device.download(s.displayImage, r.display.data(), r.display.size());
-  s.showHostView(r);
+  s.publishPicture(r);
   s.publishImages(r);
-  r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
   if (s.settledFrames == 0 && !worked && !running && !s.resetWanted && !s.held && s.techniqueSettled())

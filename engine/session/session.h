@@ -22,6 +22,8 @@
 
 namespace hl {
 
+class Presenter;
+
 struct SessionOptions {
   DeviceOptions device;
   std::string tracer = "auto";
@@ -89,9 +91,10 @@ struct FrameResult {
   double time = 0;                   ///< [s] of the scene's animations
   bool playing = false;
   Camera camera;                     ///< that it was seen with
-  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
-  std::string displayHash;
+  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped; empty while a Presenter shows it and nobody wants "display"
+  std::string displayHash;             ///< "" without it
   std::string view;
+  double publishMs = 0;              ///< that bringing the picture to the host, to a window or to both took; no part of the frame's time
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
   double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
@@ -121,6 +124,9 @@ struct FrameResult {
   Preset preset;                     ///< as it stands
   /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
   std::map<std::string, std::shared_ptr<const Image>> images;
+  /// Of these images a reference's, with their halves: errors against them are free of the reference's own variance.
+  std::map<std::string, std::shared_ptr<const ReferenceImage>> references;
+  std::shared_ptr<const Mask> surfaces;  ///< pixels that see a surface, which errors are means over; null where no image is wanted
 };
 
 class Session {
@@ -151,7 +157,8 @@ class Session {
   void setTime(double seconds);             ///< goes there; goes on from there where it plays
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
-  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
+  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. "display" is FrameResult::display. Not
+  /// part of the preset.
   void setImagesWanted(const std::vector<std::string>& names);
   void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
   void setWorkPaused(bool);
@@ -203,6 +210,8 @@ class Session {
   /// @throws Error(BadInput) as checkStep.
   StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
+  /// Shows pictures in a window, for those who have one; it may outlive the session, and then does nothing.
+  std::shared_ptr<Presenter> presenter() const;
 
  private:
   struct Impl;

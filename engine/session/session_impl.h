@@ -39,6 +39,7 @@ struct SurfaceImages {
   Image composite(const Image& direct, const Image& indirect) const;
   /// For a reference of irradiance at these pixels, or for its composite.
   std::shared_ptr<const ReferenceSurfaces> ofReference(bool composite) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect) const;
 };
 
 /// Pixels that see a surface, from the G-buffer's positions.
@@ -52,11 +53,13 @@ void checkPlayback(const Scene&, const Playback&);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
+  ~Impl();
 
   SessionOptions options;
   std::shared_ptr<Progress> progress = std::make_shared<Progress>();
   Device device;
   ShaderLibrary shaders;
+  std::shared_ptr<Presenter> presenter;
   TaskPool pool;
   FrameGraph graph;
 
@@ -120,7 +123,7 @@ struct Session::Impl {
   struct KeptImage {
     std::shared_ptr<const ReferenceResult> result;
     int bounces = 0;
-    std::shared_ptr<const Image> image;
+    std::shared_ptr<const ReferenceImage> image;
   };
   std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
@@ -188,10 +191,13 @@ struct Session::Impl {
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages()
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
-  void showHostView(FrameResult&);
+  bool showHostView(FrameResult&);
+  void publishPicture(FrameResult&);
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
   std::vector<std::string> imageNames() const;
+  /// By the names that begin with "reference". @throws Error(BadInput) where there is none yet.
+  ReferenceImage referenceImage(const std::string& view);
   Image linearImage(const std::string& view);
 };
 

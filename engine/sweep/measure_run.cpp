@@ -158,6 +158,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   whole->convergence = history;
   results.frame = whole;
   record.frameTime = whole->frameTime;
+  record.passes = whole->passes, record.workPasses = whole->workPasses;
   record.techniqueMs = ownPasses(*whole);
   record.prepareMs = whole->prepareMs, record.workMs = whole->workMs;
   takeMemory(*whole, record);
