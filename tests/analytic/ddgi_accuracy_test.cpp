@@ -22,8 +22,13 @@ TEST_F(SessionTest, CornellBoxIsWithinItsBounds) {
     if (e.reference != "matched" || e.component != "indirect" || !e.roi.empty()) continue;
     std::printf("%s %.3g, standard error %.2g, noise floor %.2g\n", e.metric.c_str(), e.value, e.standardError, e.noiseFloor);
     EXPECT_EQ(e.nonFinite, 0u);
-    if (e.metric == "relmse") relmse = true, EXPECT_LE(e.value, 3e-2);
-    else bias = true, EXPECT_LE(std::abs(e.value), 3e-2);
+    if (e.metric == "relmse") {
+      relmse = true;
+      EXPECT_LE(e.value, 3e-2);
+    } else {
+      bias = true;
+      EXPECT_LE(std::abs(e.value), 3e-2);
+    }
   }
   EXPECT_TRUE(relmse && bias);
   expectNoMessages(*session);
