@@ -24,7 +24,8 @@ Answer report(const QStringList& arguments) {
   QProcess program;
   QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
   for (const char* name : {"QT_QPA_PLATFORM", "DISPLAY", "WAYLAND_DISPLAY"}) environment.remove(name);
-  environment.insert("XDG_RUNTIME_DIR", QDir::tempPath());
+  static const QTemporaryDir runtime;  // the person's own alone, or Qt warns
+  environment.insert("XDG_RUNTIME_DIR", runtime.path());
   program.setProcessEnvironment(environment);
   program.start(QStringLiteral(HALFLIGHT_PROGRAM), QStringList{"report"} + arguments);
   if (!program.waitForFinished(240'000)) program.kill(), program.waitForFinished();
