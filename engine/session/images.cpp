@@ -74,9 +74,13 @@ ReferenceImage Session::Impl::referenceImage(const std::string& name) {
   if (!run) throw badInput(fmt::format("image '{}': there is no {}reference yet", name, limited ? "matched " : ""));
   if (name == "reference_direct") return run->result->directImage();
   ReferenceImage irradiance = run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
+  const SurfaceImages surfaces = surfaceImages();
+  irradiance.surfaces = surfaces.ofReference(false);
   if (name.ends_with("_indirect")) return irradiance;
   // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
-  return surfaceImages().composite(full.result->directImage(), irradiance);
+  ReferenceImage whole = surfaces.composite(full.result->directImage(), irradiance);
+  whole.surfaces = surfaces.ofReference(true);
+  return whole;
 }
 
 Image Session::Impl::linearImage(const std::string& name) {
