@@ -37,27 +37,20 @@ CLI::Option* repeated(CLI::App* command, const char* name, T& values, const char
   return command->add_option(name, values, help)->allow_extra_args(false)->take_all();
 }
 
-/// Whole numbers from `least` to `most`. CLI11 would say no more than that a text could not be converted.
-CLI::Validator wholeNumber(int64_t least, int64_t most) {
-  const auto check = [least, most](const std::string& text) {
-    int64_t v = 0;
+/// Numbers from `least` to `most`, `what` they are; NaN and the infinities are none. (CLI11 would say no more than that a text could not be converted, and
+/// CLI::Range lets NaN pass.)
+template <class Number>
+CLI::Validator numberWithin(Number least, Number most, const char* what) {
+  const auto check = [least, most, what](const std::string& text) {
+    Number v = 0;
     const auto end = std::from_chars(text.data(), text.data() + text.size(), v);
     const bool good = end.ec == std::errc() && end.ptr == text.data() + text.size() && v >= least && v <= most;
-    return good ? std::string() : fmt::format("a whole number from {} to {} is wanted, not {}", least, most, text);
+    return good ? std::string() : fmt::format("{} from {} to {} is wanted, not {}", what, least, most, text);
   };
   return CLI::Validator(check, "");
 }
-
-/// Numbers from `least` to `most`; NaN and the infinities are none. (CLI::Range lets NaN pass.)
-CLI::Validator finiteNumber(double least, double most) {
-  const auto check = [least, most](const std::string& text) {
-    double v = 0;
-    const auto end = std::from_chars(text.data(), text.data() + text.size(), v);
-    const bool good = end.ec == std::errc() && end.ptr == text.data() + text.size() && v >= least && v <= most;
-    return good ? std::string() : fmt::format("a number from {} to {} is wanted, not {}", least, most, text);
-  };
-  return CLI::Validator(check, "");
-}
+CLI::Validator wholeNumber(int64_t least, int64_t most) { return numberWithin(least, most, "a whole number"); }
+CLI::Validator finiteNumber(double least, double most) { return numberWithin(least, most, "a number"); }
 
 void defineGlobal(CLI::App& app, GlobalOptions& global) {
   app.add_option("--device", global.device, "Vulkan device: its index in `list devices`, or part of its name");
@@ -122,8 +115,8 @@ void defineCompare(CLI::App& app, CompareOptions& o) {
 }
 
 void definePack(CLI::App& app, PackOptions& o) {
-  CLI::App* c = app.add_subcommand("pack", "A preset and its scene in one file, for a machine without the meshes");
-  c->add_option("TARGET", o.target, "Preset, scene or mesh")->required();
+  CLI::App* c = app.add_subcommand("pack", "A preset or an experiment and its scene in one file, for a machine without the meshes");
+  c->add_option("TARGET", o.target, "Preset, experiment, scene or mesh")->required();
   c->add_option("--out", o.out, "The bundle, FILE.hlb")->required();
   c->add_flag("--references", o.references, "Trace the references first, and let them travel too");
   repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
@@ -133,7 +126,7 @@ void definePack(CLI::App& app, PackOptions& o) {
 
 void defineBench(CLI::App& app, BenchOptions& o) {
   CLI::App* c = app.add_subcommand("bench", "An experiment: sweep, results, speed against error. The same command goes on with what is there");
-  c->add_option("EXPERIMENT", o.experiment, "Its file, or the name of one in `list experiments`")->required();
+  c->add_option("EXPERIMENT", o.experiment, "Its file, its bundle, or the name of one in `list experiments`")->required();
   c->add_option("--out", o.out, "Folder of the results")->required();
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and opens the workbench on its default preset. Without a display it runs that preset headless and prints
-# each pass's time and the errors against the reference.
+# Sets up, builds and opens the workbench on its default preset. Without a display it runs the default experiment headless and prints its
+# speed-against-error table; of a preset that is named it prints each pass's time and the errors against the reference.
 #   bash app/run.sh [--headless] [PRESET|SCENE|SCREENSHOT [OPTION...]]      options as those of halflight or of halflight-cli render
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -12,11 +12,6 @@ if [ "${1:-}" = "--headless" ]; then
 elif [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]; then
   halflight_say "no display: running headless"
   headless=true
-fi
-if [ $# -eq 0 ]; then
-  set -- "$halflight_root/presets/cornell_radiosity.json"
-  # A quarter of the default paths: a minute or two on a CPU, and kept for the next time. The errors are free of the reference's noise.
-  if $headless; then set -- "$@" --metrics relmse,bias --set reference.samples=64; fi
 fi
 
 halflight_install "${halflight_build_packages[@]}"
@@ -34,8 +29,16 @@ if $headless; then program=halflight-cli; fi
 halflight_say "building $program"
 cmake --build "$build" --target "$program" -j "$halflight_jobs" >&2
 
-if $headless; then
-  exec "$build/app/halflight-cli" render "$@"
-else
+if ! $headless; then
+  [ $# -gt 0 ] || set -- "$halflight_root/presets/cornell_radiosity.json"
   exec "$build/ui/halflight" "$@"
+elif [ $# -gt 0 ]; then
+  exec "$build/app/halflight-cli" render "$@"
 fi
+# A folder for each build: what it measured is kept, so that the second time costs nothing, and never mixed with another's.
+results="$build/default_experiment"
+mine="$results/$(cksum <"$build/app/halflight-cli" | cut -d ' ' -f 1)"
+for other in "$results"/*; do
+  if [ -d "$other" ] && [ "$other" != "$mine" ]; then rm -rf -- "$other"; fi
+done
+exec "$build/app/halflight-cli" bench cornell_radiosity_quick --out "$mine"

@@ -12,6 +12,8 @@ target_compile_options(hl_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -W
                                             -Wconversion -Wno-sign-conversion -Werror)
 target_compile_definitions(hl_options INTERFACE GLM_FORCE_DEPTH_ZERO_TO_ONE GLM_FORCE_EXPLICIT_CTOR GLM_FORCE_XYZW_ONLY
                                                 VK_NO_PROTOTYPES)
+# Made now: ccache names a folder that is not there yet differently, and would find nothing of a fresh clone's again.
+file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/generated")
 target_include_directories(hl_options INTERFACE "${CMAKE_SOURCE_DIR}" "${CMAKE_BINARY_DIR}/generated")
 target_link_libraries(hl_options INTERFACE Threads::Threads)
 # A program loads the libraries that it uses, not those that it could use.

@@ -72,6 +72,20 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
     p.parameters["lightmap.resolution"] = "48";
     p.parameters["radiosity.samples"] = "256";
   }
+  if (technique == "ddgi") {
+    p.parameters["ddgi.spacing"] = "0.25";
+    p.parameters["ddgi.rays"] = "128";
+    p.parameters["ddgi.hysteresis"] = "0.95";
+    p.parameters["ddgi.distance_texels"] = "10";
+  }
+  if (technique == "surfels") {
+    p.parameters["surfels.max_surfels"] = "4096";
+    p.parameters["surfels.radius_pixels"] = "2.5";
+    p.parameters["surfels.place_chance"] = "1";
+    p.parameters["surfels.ray_budget"] = "6";
+    p.parameters["surfels.window_growth"] = "64";
+    p.parameters["surfels.settle_frames"] = "128";
+  }
   return p;
 }
 

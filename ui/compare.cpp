@@ -84,6 +84,15 @@ std::shared_ptr<const FrameResult> Compare::frameOf(const QString& source) const
   return frame_;
 }
 
+ErrorContext Compare::errorContext(const QString& a, const QString& b, bool indirect) const {
+  ErrorContext out;
+  if (const auto frame = frameOf(a)) out.surfaces = frame->surfaces;
+  if (!frame_ || snapshotId(b)) return out;
+  const auto found = frame_->references.find(imageName(b, indirect));
+  if (found != frame_->references.end()) out.truth = found->second;
+  return out;
+}
+
 std::set<std::string> Compare::imagesOf(const std::set<QString>& sources, bool indirect) {
   std::set<std::string> out;
   for (const QString& s : sources)
@@ -161,6 +170,7 @@ void Compare::update() {
   job.display = document_.preset().display;
   job.gain = static_cast<float>(choice_.gain);
   job.metric = choice_.metric.toStdString();
+  if (job.mode == CompareMode::ErrorMap) job.context = errorContext(choice_.a, choice_.b, choice_.indirect);
   if (job.mode == CompareMode::Off || !job.a || !job.b) {
     ComparisonPictures none;
     if (job.mode != CompareMode::Off) {

@@ -46,6 +46,8 @@ class Compare : public QObject {
   QString nameOf(const QString& source) const;
   /// The linear picture of a source as it stands; null where there is none yet. Live and reference ones come only while someone wants them.
   std::shared_ptr<const Image> image(const QString& source, bool indirect) const;
+  /// What errors of A against B are measured with.
+  ErrorContext errorContext(const QString& a, const QString& b, bool indirect) const;
   /// The frame a source belongs to: its preset, errors and times. Of a reference the newest one.
   std::shared_ptr<const FrameResult> frameOf(const QString& source) const;
   /// What image() of these needs from the engine.

@@ -45,7 +45,9 @@ void renderMap(const ComparisonJob& job, ComparisonPictures& out) {
   }
   try {
     const MetricInfo& metric = metricInfo(job.metric);
-    const Image map = measure(job.metric, a, ReferenceImage{b, {}, {}}, howShown(job.display, true)).map;
+    const MetricResult result = measured(job.metric, a, b, job.context, howShown(job.display, true));
+    const Image& map = result.map;
+    out.value = errorText(job.metric, result);
     out.a = pictureOf(errorColours(map, metric), map.width, map.height);
     // The legend goes through the same colours as the map.
     const double least = metric.mapSigned ? -static_cast<double>(colourScale(map)) : metric.mapEnd > 0 ? metric.perfect : 0;
@@ -59,6 +61,17 @@ void renderMap(const ComparisonJob& job, ComparisonPictures& out) {
 }
 
 }  // namespace
+
+MetricResult measured(const std::string& metric, const Image& value, const Image& against, const ErrorContext& context, MeasureOptions options) {
+  if (context.surfaces && context.surfaces->size() == value.pixels()) options.mask = *context.surfaces;
+  return measure(metric, value, context.truth ? *context.truth : ReferenceImage{against, {}, {}}, options);
+}
+
+QString errorText(const std::string& metric, const MetricResult& result) {
+  const QString name = QString::fromStdString(metric);
+  if (result.nonFinite > 0) return say("%1: %2 pixels are NaN or Inf").arg(name).arg(result.nonFinite);
+  return std::isnan(result.value) ? name + QStringLiteral(" NaN") : QStringLiteral("%1 %2").arg(name).arg(result.value, 0, 'g', 3);
+}
 
 MeasureOptions howShown(const hl::Display& display, bool wantMap) {
   MeasureOptions options;

@@ -51,9 +51,11 @@ QRectF seen(const ShownComparison& c, const PictureView& view, const QRectF& wid
 
 }  // namespace
 
+bool smoothAt(double scale) { return scale < 3 && scale != 1; }
+
 void paintPicture(QPainter& painter, const QImage& image, const QRectF& where) {
   const double scale = where.width() * painter.device()->devicePixelRatioF() / std::max(1, image.width());
-  painter.setRenderHint(QPainter::SmoothPixmapTransform, scale < 3 && scale != 1);
+  painter.setRenderHint(QPainter::SmoothPixmapTransform, smoothAt(scale));
   painter.drawImage(where, image);
 }
 
@@ -124,7 +126,7 @@ void paintComparison(QPainter& painter, const ShownComparison& c, const PictureV
     case CompareMode::Difference:
     case CompareMode::ErrorMap:
       paintPicture(painter, a, place);
-      label(painter, (c.mode == CompareMode::Difference ? say("%1 minus %2") : say("%1 measured against %2")).arg(c.nameA, c.nameB), place & widget, Qt::AlignTop | Qt::AlignLeft);
+      label(painter, (c.mode == CompareMode::Difference ? say("%1 minus %2") : say("%1 measured against %2")).arg(c.nameA, c.nameB) + (c.pictures.value.isEmpty() ? QString() : QStringLiteral(": ") + c.pictures.value), place & widget, Qt::AlignTop | Qt::AlignLeft);
       legend(painter, c.pictures, place & widget);
       break;
   }

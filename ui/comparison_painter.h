@@ -31,7 +31,9 @@ double wipeAt(const ShownComparison&, const PictureView&, const QRectF& widget, 
 /// `second`: B's turn of the flicker.
 void paintComparison(QPainter&, const ShownComparison&, const PictureView&, const QRectF& widget, bool second);
 
-/// A picture in its rectangle, its pixels as they are when enlarged a good deal, as people judge them.
+/// Whether a picture is smoothed when each of its pixels is `scale` wide on the screen: enlarged a good deal, people judge its pixels as they are.
+bool smoothAt(double scale);
+/// A picture in its rectangle.
 void paintPicture(QPainter&, const QImage&, const QRectF& where);
 
 }  // namespace hl::ui

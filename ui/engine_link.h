@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/session/presenter.h"
 #include "engine/session/session.h"
+#include "engine/session/session_gate.h"
 
 namespace hl::ui {
 
@@ -37,6 +39,8 @@ class EngineLink : public QObject {
   virtual void setReferenceWanted(bool) = 0;
   /// FrameResult::images of the frames from now on; one frame comes at once, paused or not.
   virtual void setImagesWanted(const std::vector<std::string>& names) = 0;
+  /// One frame more, paused or not.
+  virtual void renderOnce() {}
   virtual void setRegions(const std::optional<std::vector<Region>>&) = 0;  ///< none: the scene's
   virtual void setWorkPaused(bool) = 0;
   virtual void cancelWork() = 0;
@@ -59,8 +63,14 @@ class EngineLink : public QObject {
   virtual void setPaused(bool) = 0;
   virtual std::shared_ptr<const FrameResult> latest() const = 0;
   virtual std::shared_ptr<const Progress> progress() const = 0;
+  /// What another session is made with, so that it measures what this one shows.
+  virtual SessionOptions sessionOptions() const = 0;
+  /// Closed, the session rests: nothing else of ours runs while a sweep measures. It outlives the link where someone holds it.
+  virtual std::shared_ptr<SessionGate> gate() const = 0;
 
  signals:
+  /// Shows pictures from the device; comes with each session, before its first frame, where one has such a thing.
+  void presenterReady(std::shared_ptr<hl::Presenter> presenter);
   void frameReady();
   void failed(const QString& message, hl::ErrorKind kind);
   void opened(const hl::Preset& preset, const QString& from);

@@ -1,12 +1,18 @@
 #include "ui/error_plot.h"
 
+#include <fmt/format.h>
 #include <qcustomplot.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 
+#include "engine/core/csv.h"
 #include "engine/metrics/metrics.h"
 #include "ui/palette.h"
+#include "ui/plot_export.h"
 #include "ui/plot_style.h"
 
 namespace hl::ui {
@@ -16,10 +22,11 @@ namespace {
 constexpr double kDecades = 1e-8;
 /// Values below this are drawn there: a logarithmic axis has no zero.
 constexpr double kLeast = 1e-12;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-ErrorPlot::ErrorPlot(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) {
+ErrorPlot::ErrorPlot(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)), export_(new PlotExport(*plot_, *this, QStringLiteral("error"), [this] { return csv(); })) {
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(0, 0, 0, 0);
   column->addWidget(plot_);
@@ -39,6 +46,7 @@ ErrorPlot::ErrorPlot(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(t
   floor_ = graph(tr("noise floor (matched)"), 2, Qt::DashLine);
   plot_->setAccessibleName(tr("Error over time"));
   stylePlot(*plot_, *this);
+  export_->showEverything = [this] { showEverything(); };
   connect(plot_, &QCustomPlot::mouseMove, this, [this](QMouseEvent* e) {
     plot_->setToolTip(QStringLiteral("%1, %2")
                           .arg(plot_->xAxis->pixelToCoord(e->position().x()), 0, 'g', 4)
@@ -66,21 +74,20 @@ void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::str
   floor_->setVisible(!floorKeys.isEmpty());
   const bool any = !keys[0].isEmpty() || !keys[1].isEmpty();
   plot_->legend->setVisible(any);
-  if (logarithmic) {
-    makeLogarithmic(*plot_->yAxis);
-  } else {
-    plot_->yAxis->setScaleType(QCPAxis::stLinear);
-    plot_->yAxis->setTicker(QSharedPointer<QCPAxisTicker>(new QCPAxisTicker));
-    plot_->yAxis->setNumberFormat(QStringLiteral("gb"));
-    plot_->yAxis->setNumberPrecision(4);
-  }
+  logarithmic ? makeLogarithmic(*plot_->yAxis) : makeLinear(*plot_->yAxis);
   plot_->xAxis->setLabel(byFrames ? tr("frames since the reset") : tr("seconds of work since the reset"));
   plot_->yAxis->setLabel(QString::fromStdString(metric));
+  metric_ = metric, byFrames_ = byFrames, logarithmic_ = logarithmic;
+  showEverything();
+}
+
+void ErrorPlot::showEverything() {
+  const bool any = matched_->dataCount() > 0 || full_->dataCount() > 0;
   plot_->rescaleAxes(true);
   if (!any) {
     plot_->xAxis->setRange(0, 10);
-    plot_->yAxis->setRange(logarithmic ? 1e-4 : 0, 1);
-  } else if (logarithmic) {
+    plot_->yAxis->setRange(logarithmic_ ? 1e-4 : 0, 1);
+  } else if (logarithmic_) {
     // Ticks are laid out by the decade: a value of nothing must not stretch the axis over dozens of them.
     const double upper = plot_->yAxis->range().upper * 2;
     plot_->yAxis->setRange(std::max(plot_->yAxis->range().lower / 2, upper * kDecades), upper);
@@ -91,11 +98,16 @@ void ErrorPlot::draw(const std::vector<ConvergencePoint>& points, const std::str
   plot_->replot(QCustomPlot::rpQueuedReplot);
 }
 
-void ErrorPlot::exportTo(const QString& file) {
-  if (file.endsWith(QStringLiteral(".pdf"), Qt::CaseInsensitive))
-    plot_->savePdf(file);
-  else
-    plot_->savePng(file, 0, 0, 2);
+std::string ErrorPlot::csv() const {
+  std::string out = fmt::format("{},metric,matched,full,noise_floor_matched\n", byFrames_ ? "frame" : "seconds");
+  std::map<double, std::array<double, 3>> rows;
+  size_t column = 0;
+  for (const QCPGraph* g : {matched_, full_, floor_}) {
+    for (const QCPGraphData& p : *g->data()) rows.emplace(p.key, std::array{kNaN, kNaN, kNaN}).first->second[column] = p.value;
+    ++column;
+  }
+  for (const auto& [x, values] : rows) out += fmt::format("{},{},{},{},{}\n", csvCell(x), csvCell(metric_), csvCell(values[0]), csvCell(values[1]), csvCell(values[2]));
+  return out;
 }
 
 void ErrorPlot::changeEvent(QEvent* event) {

@@ -111,8 +111,8 @@ std::vector<QStringList> figureMetrics(const FigureSheet& figure) {
   for (size_t i = 0; i < figure.images.size(); ++i)
     for (const std::string& metric : figure.metrics) {
       if (figure.images[i].image == figure.truth) continue;  // itself
-      const double value = measure(metric, *figure.images[i].image, ReferenceImage{*figure.truth, {}, {}}, howShown(figure.display)).value;
-      out[i] << QCoreApplication::translate("hl::ui::Figure", "%1 %2 against %3").arg(QString::fromStdString(metric)).arg(value, 0, 'g', 3).arg(figure.truthName);
+      const MetricResult result = measured(metric, *figure.images[i].image, *figure.truth, figure.images[i].context, howShown(figure.display));
+      out[i] << QCoreApplication::translate("hl::ui::Figure", "%1 against %2").arg(errorText(metric, result), figure.truthName);
     }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/session/session.h"
+#include "ui/comparison.h"
 
 class QPainter;
 
@@ -17,6 +18,7 @@ struct FigureImage {
   QString caption;
   std::shared_ptr<const Image> image;        ///< linear, 3 channels
   std::shared_ptr<const FrameResult> frame;  ///< its preset and provenance go with the figure; null: none
+  ErrorContext context;                      ///< what it is measured with
 };
 
 struct FigureSheet {

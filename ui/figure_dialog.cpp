@@ -94,7 +94,7 @@ FigureSheet FigureDialog::figure() const {
     const QListWidgetItem* item = pictures_->item(i);
     if (item->checkState() != Qt::Checked) continue;
     const QString id = item->data(Qt::UserRole).toString();
-    f.images.push_back({item->text(), compare_.image(id, indirect), compare_.frameOf(id)});
+    f.images.push_back({item->text(), compare_.image(id, indirect), compare_.frameOf(id), compare_.errorContext(id, truth_->currentData().toString(), indirect)});
   }
   f.display = document_.preset().display;
   for (int i = 0; i < metrics_->count(); ++i)

@@ -9,20 +9,23 @@
 #include "engine/core/image_io.h"
 #include "engine/experiment/open_target.h"
 #include "engine/scene/scene_file.h"
+#include "engine/session/results_json.h"
 
 namespace hl::ui {
 
-std::string provenanceJson(const FrameResult& f) {
-  const Provenance& p = f.provenance;
-  const auto text = [](const std::string& s) { return QString::fromStdString(s); };
-  const QJsonObject o{{"commit", text(p.commit)},       {"dirty", p.dirty},
-                      {"preset_hash", text(p.presetHash)}, {"scene_hash", text(p.sceneHash)},
-                      {"seed", static_cast<qint64>(p.seed)}, {"device", text(p.device)},
-                      {"driver", text(p.driver)},       {"api", text(p.api)},
-                      {"tracer", text(p.tracer)},       {"timing", text(p.timing)},
-                      {"image_hash", text(f.displayHash)}};
-  return QJsonDocument(o).toJson(QJsonDocument::Compact).toStdString();
+FileKind kindOfFile(const std::filesystem::path& path) {
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) return std::filesystem::exists(path / "experiment.json", none) ? FileKind::Results : FileKind::Other;
+  if (path.extension() != ".json" || !std::filesystem::is_regular_file(path, none)) return FileKind::Other;
+  try {
+    const QJsonObject o = QJsonDocument::fromJson(QByteArray::fromStdString(readFile(path))).object();
+    return o.contains("base") && !o.contains("scene") ? FileKind::Experiment : FileKind::Other;
+  } catch (const Error&) {
+    return FileKind::Other;  // whoever opens it says why it cannot be read
+  }
 }
+
+std::string provenanceJson(const FrameResult& f) { return hl::provenanceJson(f.provenance, f.displayHash); }
 
 void writeScreenshot(const FrameResult& frame, const Preset& preset, const std::filesystem::path& path) {
   if (frame.display.empty()) throw Error(ErrorKind::Run, "screenshot: there is no frame yet");

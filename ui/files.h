@@ -7,6 +7,14 @@
 
 namespace hl::ui {
 
+/// What a path that was dropped or typed is to the window.
+enum class FileKind {
+  Results,     ///< a folder that a sweep has written
+  Experiment,
+  Other,       ///< for openTarget(), which says what is wrong with it
+};
+FileKind kindOfFile(const std::filesystem::path&);
+
 /// Where a frame's numbers come from, as one JSON object.
 std::string provenanceJson(const FrameResult&);
 /// By the extension: PNG of what the viewport shows, at the frame's own resolution, or EXR of the linear picture; preset and provenance in attributes.

@@ -62,6 +62,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   buildStatusBar();
   connectEngine();
   connectTools();
+  connectSweep();
   restoreLayout();
   updateTitle();
   viewport_->setWaiting(tr("Starting the engine..."));
@@ -92,7 +93,13 @@ void MainWindow::buildStatusBar() {
   restart_->setText(tr("Start the engine again"));
   restart_->hide();
   statusBar()->addWidget(status_, 1);
+  sweepStatus_ = new QToolButton(this);
+  sweepStatus_->setObjectName(QStringLiteral("sweepStatus"));
+  sweepStatus_->setAutoRaise(true);
+  sweepStatus_->setToolTip(tr("A sweep measures: the picture rests meanwhile, and edits show between two runs"));
+  sweepStatus_->hide();
   statusBar()->addPermanentWidget(restart_);
+  statusBar()->addPermanentWidget(sweepStatus_);
   statusBar()->addPermanentWidget(loading_);
   statusBar()->addPermanentWidget(cancelLoading_);
   connect(cancelLoading_, &QToolButton::clicked, this, [this] { link_.cancel(); });
@@ -103,6 +110,16 @@ void MainWindow::buildStatusBar() {
 void MainWindow::connectEngine() {
   connect(&link_, &EngineLink::frameReady, this, &MainWindow::onFrame);
   connect(&link_, &EngineLink::failed, this, &MainWindow::onFailed);
+  connect(&link_, &EngineLink::presenterReady, this, [this](const std::shared_ptr<Presenter>& presenter) {
+    presenter_ = presenter;
+    choosePresenter();
+  });
+  connect(viewport_, &Viewport::presenterFailed, this, [this](const QString& why) {
+    viewport_->usePresenter(nullptr);
+    presenterText_ = tr("read-back: %1").arg(why);
+    logWarning("Viewport: " + presenterText_.toStdString());
+    link_.renderOnce();
+  });
   connect(&link_, &EngineLink::saved, this, [this](const QString& path, const QString&) {
     statusBar()->showMessage(tr("Saved %1").arg(path), 5000);
     if (closeAfterSave_ && !document_.modified()) close();
@@ -189,6 +206,7 @@ void MainWindow::listFiles() {
 void MainWindow::onFrame() {
   frame_ = link_.latest();
   if (!frame_) return;
+  if (presenterText_.isEmpty()) choosePresenter();
   viewport_->setWaiting({});
   viewport_->showFrame(frame_);
   profiler_->showFrame(frame_);
@@ -259,6 +277,10 @@ void MainWindow::onFailed(const QString& message, ErrorKind kind) {
     return;
   }
   logError(message.toStdString());
+  if (kind == ErrorKind::Device && presenter_) {
+    viewport_->usePresenter(nullptr);  // its device is gone; what is to be said is painted
+    presenter_.reset();
+  }
   showError(message, kind == ErrorKind::Device);
   restart_->setVisible(kind == ErrorKind::Device);
 }

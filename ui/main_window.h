@@ -12,9 +12,12 @@
 #include "ui/image_feed.h"
 #include "ui/palette.h"
 #include "ui/pass_table.h"
+#include "ui/presenter_choice.h"
 
+class QActionGroup;
 class QDockWidget;
 class QLabel;
+class QMenu;
 class QProgressBar;
 class QToolButton;
 
@@ -29,6 +32,7 @@ class ProfilerPanel;
 class RegionsEditor;
 class ScenePanel;
 class ShaderWatcher;
+class SweepPanel;
 class TechniquePanel;
 class Viewport;
 class ViewportBar;
@@ -44,8 +48,13 @@ class MainWindow : public QMainWindow {
   Viewport& viewport() { return *viewport_; }
   Compare& compare() { return compare_; }
   TechniquePanel& techniquePanel() { return *technique_; }
+  SweepPanel& sweepPanel() { return *sweep_; }
   QList<QDockWidget*> docks() const { return docks_; }
   QString noticeText() const { return error_; }
+  /// For this run; what the menu was left at is kept in the settings.
+  void setPresenterWish(PresenterWish);
+  /// How the picture comes to the screen, and why so.
+  QString presenterText() const { return presenterText_; }
 
  public slots:
   /// "tune", "compare" or "profile", as it was left; the present one is kept.
@@ -53,6 +62,8 @@ class MainWindow : public QMainWindow {
   /// The present one as it was meant.
   void resetLayout();
   void showShortcuts();
+  /// Whatever a person may open: a preset, scene, mesh, screenshot, bundle, experiment, or a folder of results.
+  void openPath(const QString& path);
 
  protected:
   void closeEvent(QCloseEvent*) override;
@@ -67,6 +78,9 @@ class MainWindow : public QMainWindow {
   void buildCompareMenu();
   void showComparison();
   void buildStatusBar();
+  void connectSweep();
+  void askToStopSweep();
+  void showDock(const QString& name);
   void connectEngine();
   void listFiles();
   void saveLayout();
@@ -89,8 +103,11 @@ class MainWindow : public QMainWindow {
   void storeBookmark(int number);
   void stepExposure(double stops);
   void setPaused(bool);
+  void showPaused();
   void giveViewportCamera();
   void restartEngine();
+  void choosePresenter();
+  void buildPresenterMenu(QMenu&);
 
   EngineLink& link_;
   Settings& settings_;
@@ -110,6 +127,7 @@ class MainWindow : public QMainWindow {
   RegionsEditor* regions_;
   ComparePanel* comparePanel_;
   InspectorPanel* inspector_;
+  SweepPanel* sweep_;
   LogPanel* log_;
   PresetActions* files_;
   std::unique_ptr<ShaderWatcher> watcher_;
@@ -120,18 +138,23 @@ class MainWindow : public QMainWindow {
   QAction* pause_ = nullptr;
   QAction* regionTool_ = nullptr;
   QAction* showRegions_ = nullptr;
+  QActionGroup* presenterActions_ = nullptr;
+  PresenterWish presenterWish_ = PresenterWish::Auto;
+  std::shared_ptr<Presenter> presenter_;  ///< the engine's, or null
+  QString presenterText_;
 
   QLabel* status_ = nullptr;
   QProgressBar* loading_ = nullptr;
   QToolButton* cancelLoading_ = nullptr;
   QToolButton* restart_ = nullptr;
+  QToolButton* sweepStatus_ = nullptr;
   QTimer panelTimer_, progressTimer_, errorTimer_;
   QElapsedTimer loadingSince_;
   const void* loadingWhat_ = nullptr;
   std::shared_ptr<const FrameResult> frame_;
   QString error_, frameMessage_;
   std::optional<QPoint> focusPixel_;
-  bool closeDecided_ = false, closeAfterSave_ = false;
+  bool closeDecided_ = false, closeAfterSave_ = false, closeAfterSweep_ = false;
 };
 
 }  // namespace hl::ui

@@ -4,21 +4,29 @@
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
+#include <QGuiApplication>
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
+#include <QPushButton>
 #include <QStatusBar>
+#include <QToolButton>
 #include <algorithm>
 #include <tuple>
 
+#include "engine/core/log.h"
 #include "ui/error_dock.h"
 #include "ui/figure_dialog.h"
 #include "ui/inspector.h"
 #include "ui/main_window.h"
+#include "ui/parameter_panel.h"
 #include "ui/preset_actions.h"
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
+#include "ui/settings.h"
 #include "ui/shortcuts_dialog.h"
+#include "ui/sweep_dock.h"
+#include "ui/technique_dock.h"
 #include "ui/viewport.h"
 #include "ui/viewport_bar.h"
 
@@ -27,6 +35,7 @@ namespace {
 
 constexpr double kHalfStop = 0.5;
 constexpr double kExposureLimit = 20;
+const QString kPresenterKey = QStringLiteral("viewport/presenter");
 
 }  // namespace
 
@@ -87,6 +96,7 @@ void MainWindow::buildMenus() {
   }
   layouts->addSeparator();
   layouts->addAction(tr("&Reset layout"), this, &MainWindow::resetLayout);
+  buildPresenterMenu(*view);
   view->addAction(tr("&Full screen"), QKeySequence(Qt::Key_F11), this, [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
 
   buildCompareMenu();
@@ -108,12 +118,45 @@ void MainWindow::buildMenus() {
   help->addAction(tr("&About"), this, [this] {
     auto* box = new QMessageBox(QMessageBox::NoIcon, tr("About Halflight"),
                                 tr("<p><b>Halflight</b>: a workbench for research on real-time global illumination.</p>"
-                                   "<p>GPL-3.0-or-later. Made with Qt %1 and QCustomPlot.</p><p>%2</p>")
-                                    .arg(QString::fromLatin1(qVersion()), frame_ ? QString::fromStdString(frame_->provenance.commit) : QString()),
+                                   "<p>GPL-3.0-or-later. Made with Qt %1 and QCustomPlot.</p><p>%2</p><p>Viewport: %3</p>")
+                                    .arg(QString::fromLatin1(qVersion()), frame_ ? QString::fromStdString(frame_->provenance.commit) : QString(), presenterText_.toHtmlEscaped()),
                                 QMessageBox::Close, this);
     box->setAttribute(Qt::WA_DeleteOnClose);
     box->open();
   });
+}
+
+void MainWindow::buildPresenterMenu(QMenu& view) {
+  QMenu* menu = view.addMenu(tr("Picture to the &screen"));
+  presenterActions_ = new QActionGroup(this);
+  presenterWish_ = parsePresenterWish(settings_.value(kPresenterKey).toString()).value_or(PresenterWish::Auto);
+  const std::pair<QString, PresenterWish> wishes[] = {{tr("As the device is best at"), PresenterWish::Auto}, {tr("Drawn by the device (swapchain)"), PresenterWish::Swapchain}, {tr("Read back and painted"), PresenterWish::ReadBack}};
+  for (const auto& [name, wish] : wishes) {
+    QAction* action = menu->addAction(name, this, [this, wish = wish] {
+      settings_.setValue(kPresenterKey, presenterWishId(wish));
+      setPresenterWish(wish);
+    });
+    action->setCheckable(true);
+    action->setChecked(wish == presenterWish_);
+    action->setData(static_cast<int>(wish));
+    presenterActions_->addAction(action);
+  }
+}
+
+void MainWindow::setPresenterWish(PresenterWish wish) {
+  presenterWish_ = wish;
+  for (QAction* action : presenterActions_->actions()) action->setChecked(action->data().toInt() == static_cast<int>(wish));
+  choosePresenter();
+}
+
+void MainWindow::choosePresenter() {
+  if (!presenter_ && !frame_) return;  // the engine has yet to say what it has
+  const PresenterChoice choice = ui::choosePresenter(presenterWish_, QGuiApplication::platformName(), presenter_.get());
+  if (choice.why == presenterText_ && choice.swapchain == (viewport_->swapchainView() != nullptr)) return;
+  viewport_->usePresenter(choice.swapchain ? presenter_ : nullptr);
+  presenterText_ = choice.why;
+  logInfo("Viewport: " + presenterText_.toStdString());
+  link_.renderOnce();
 }
 
 void MainWindow::buildCompareMenu() {
@@ -164,6 +207,48 @@ void MainWindow::connectTools() {
   connect(&document_, &Document::regionsChanged, this, &MainWindow::updateRegions);
 }
 
+void MainWindow::showDock(const QString& name) {
+  auto* dock = findChild<QDockWidget*>(name);
+  dock->show();
+  dock->raise();
+}
+
+void MainWindow::connectSweep() {
+  connect(&technique_->parameters(), &ParameterPanel::sweepWanted, this, [this](const std::string& key) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->sweepParameter(key);
+  });
+  connect(files_, &PresetActions::experimentOpened, this, [this](const QString& path) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->openExperiment(path);
+  });
+  connect(files_, &PresetActions::resultsOpened, this, [this](const QString& folder) {
+    showDock(QStringLiteral("sweepDock"));
+    sweep_->openResults(folder);
+  });
+  connect(sweep_, &SweepPanel::presetChosen, this, [this](const Preset& preset, const QString& label) {
+    document_.restore(preset, tr("configuration %1").arg(label));
+    statusBar()->showMessage(tr("Loaded %1; undo brings back what was there").arg(label), 5000);
+  });
+  connect(sweep_, &SweepPanel::message, this, [this](const QString& text) {
+    logInfo(text.toStdString());
+    statusBar()->showMessage(text, 8000);
+  });
+  connect(sweep_, &SweepPanel::refused, this, [this](const QString& why) {
+    logError(why.toStdString());
+    showError(why);
+  });
+  connect(sweep_, &SweepPanel::statusChanged, this, [this](const QString& text) {
+    sweepStatus_->setText(text);
+    sweepStatus_->setVisible(!text.isEmpty());
+  });
+  connect(sweepStatus_, &QToolButton::clicked, this, [this] { showDock(QStringLiteral("sweepDock")); });
+  connect(sweep_, &SweepPanel::busyChanged, this, [this](bool busy) {
+    showPaused();
+    if (!busy && closeAfterSweep_) close();
+  });
+}
+
 void MainWindow::updateRegions() { viewport_->setRegions(showRegions_->isChecked() ? document_.regions() : std::vector<Region>()); }
 
 void MainWindow::showComparison() {
@@ -192,8 +277,11 @@ void MainWindow::stepExposure(double stops) {
 
 void MainWindow::setPaused(bool paused) {
   link_.setPaused(paused);
-  viewport_->setPaused(paused);
+  showPaused();
 }
+
+/// A sweep holds the session by its gate; what the person chose stands again afterwards.
+void MainWindow::showPaused() { viewport_->setPaused(pause_->isChecked() || sweep_->runner().busy()); }
 
 /// Not an edit: the preset keeps its view while the key is held.
 void MainWindow::holdReference(bool held) {
@@ -238,6 +326,22 @@ void MainWindow::storeBookmark(int number) {
   statusBar()->showMessage(tr("Camera kept under %1").arg(number), 4000);
 }
 
+/// The sweep writes its tables before it is over; then the window closes.
+void MainWindow::askToStopSweep() {
+  auto* box = new QMessageBox(QMessageBox::Question, tr("A sweep is running"),
+                              tr("Stop it and close? What is done is kept, and the same experiment into the same folder goes on."), QMessageBox::NoButton, this);
+  box->setObjectName(QStringLiteral("stopSweepQuestion"));
+  QPushButton* stop = box->addButton(tr("&Stop and close"), QMessageBox::AcceptRole);
+  box->setDefaultButton(box->addButton(tr("&Go on"), QMessageBox::RejectRole));
+  box->setAttribute(Qt::WA_DeleteOnClose);
+  connect(stop, &QPushButton::clicked, this, [this] {
+    closeAfterSweep_ = true;
+    sweep_->runner().cancelAll();
+    if (!sweep_->runner().busy()) close();
+  });
+  box->open();
+}
+
 void MainWindow::closeEvent(QCloseEvent* event) {
   const bool worthAsking = document_.modified() && (!document_.path().isEmpty() || document_.undoStack().count() > 0);
   if (worthAsking && !closeDecided_) {
@@ -257,6 +361,11 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     box->open();
     return;
   }
+  if (sweep_->runner().busy()) {
+    event->ignore();
+    if (!closeAfterSweep_) askToStopSweep();
+    return;
+  }
   saveLayout();
   QMainWindow::closeEvent(event);
 }
@@ -269,6 +378,8 @@ void MainWindow::changeEvent(QEvent* event) {
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
   if (PresetActions::acceptable(*event->mimeData())) event->acceptProposedAction();
 }
+
+void MainWindow::openPath(const QString& path) { files_->openPath(path); }
 
 void MainWindow::dropEvent(QDropEvent* event) {
   event->acceptProposedAction();

@@ -14,13 +14,14 @@
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
+#include "ui/sweep_dock.h"
 #include "ui/technique_dock.h"
 
 namespace hl::ui {
 namespace {
 
 /// Raise it when docks come or go: older layouts are then left alone, and the default ones shown.
-constexpr int kLayoutVersion = 2;
+constexpr int kLayoutVersion = 3;
 const QString kLayoutKey = QStringLiteral("layout/state/"), kCurrentKey = QStringLiteral("layout/current"), kGeometryKey = QStringLiteral("layout/geometry");
 
 /// Where docks go in a named layout: those of one list are tabs of one place, the first in front.
@@ -32,9 +33,9 @@ struct Arrangement {
 
 const std::vector<Arrangement>& arrangements() {
   static const std::vector<Arrangement> all = {
-      {"tune", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "compareDock", "inspectorDock", "logDock"}, 380, 250},
-      {"compare", {"compareDock", "techniqueDock", "sceneDock"}, {"inspectorDock"}, {"errorDock", "profilerDock", "logDock"}, 400, 190},
-      {"profile", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "compareDock", "inspectorDock", "logDock"}, 340, 480},
+      {"tune", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "compareDock", "inspectorDock", "sweepDock", "logDock"}, 380, 250},
+      {"compare", {"compareDock", "techniqueDock", "sceneDock"}, {"inspectorDock"}, {"errorDock", "profilerDock", "sweepDock", "logDock"}, 400, 190},
+      {"profile", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "sweepDock", "compareDock", "inspectorDock", "logDock"}, 340, 480},
   };
   return all;
 }
@@ -59,6 +60,7 @@ void MainWindow::buildDocks() {
   inspector_ = new InspectorPanel(link_, document_, feed_);
   regions_ = new RegionsEditor(document_);
   errors_->addPage(regions_, tr("Regions"));
+  sweep_ = new SweepPanel(document_, link_, settings_, palette_);
   log_ = new LogPanel;
   setTabPosition(Qt::AllDockWidgetAreas, QTabWidget::North);
   setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
@@ -68,6 +70,7 @@ void MainWindow::buildDocks() {
   addDock(QStringLiteral("errorDock"), tr("Error"), errors_);
   addDock(QStringLiteral("compareDock"), tr("Compare"), comparePanel_);
   addDock(QStringLiteral("inspectorDock"), tr("Inspector"), inspector_);
+  addDock(QStringLiteral("sweepDock"), tr("Sweep"), sweep_);
   addDock(QStringLiteral("logDock"), tr("Log"), log_);
 }
 

@@ -20,17 +20,15 @@ uint32_t fnv1a(const std::string& s) {  // fixed: std::hash may differ from one 
   return h;
 }
 
-const QString kKey = QStringLiteral("passColours");
-
 }  // namespace
 
 int PassPalette::size() { return static_cast<int>(kColours.size()); }
 
 QColor PassPalette::colour(int slot) { return QColor::fromRgb(kColours[static_cast<size_t>(slot) % kColours.size()]); }
 
-PassPalette::PassPalette(Settings* settings) : settings_(settings), users_(static_cast<size_t>(size()), 0) {
+PassPalette::PassPalette(Settings* settings, QString key) : settings_(settings), key_(std::move(key)), users_(static_cast<size_t>(size()), 0) {
   if (!settings_) return;
-  const QVariantMap stored = settings_->value(kKey).toMap();
+  const QVariantMap stored = settings_->value(key_).toMap();
   for (auto it = stored.begin(); it != stored.end(); ++it) {
     const int slot = it.value().toInt();
     if (slot < 0 || slot >= size()) continue;
@@ -54,7 +52,7 @@ QColor PassPalette::of(const std::string& pass) {
   if (settings_) {
     QVariantMap stored;
     for (const auto& [name, slot] : slots_) stored[QString::fromStdString(name)] = slot;
-    settings_->setValue(kKey, stored);
+    settings_->setValue(key_, stored);
   }
   return colour(best);
 }

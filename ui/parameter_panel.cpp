@@ -90,6 +90,7 @@ void ParameterPanel::addGroup(const ParameterGroup& declared) {
     auto* row = new ParameterRow(info, *grid, line++, g.body);
     connect(row, &ParameterRow::dragStarted, this, [this] { ++drag_; });
     connect(row, &ParameterRow::message, this, &ParameterPanel::message);
+    connect(row, &ParameterRow::sweepWanted, this, [this, row] { emit sweepWanted(row->info().key()); });
     connect(row, &ParameterRow::edited, this, [this, row](const std::string& text, bool dragging) {
       updateHeaders();
       emit edited({{row->info().key(), text}}, dragging ? drag_ : 0);

@@ -35,6 +35,7 @@ class ParameterPanel : public QWidget {
   /// Some parameters were changed by the person, by key. All changes of one drag have the same non-zero number.
   void edited(const std::map<std::string, std::string>& texts, quint64 drag);
   void message(const QString& text);
+  void sweepWanted(const std::string& key);
 
  private:
   struct Group {

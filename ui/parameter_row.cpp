@@ -53,6 +53,9 @@ ParameterRow::ParameterRow(const ParamInfo& info, QGridLayout& grid, int line, Q
     QApplication::clipboard()->setText(QString::fromStdString(info_.key()));
   });
   name_->addAction(copy);
+  auto* sweep = new QAction(tr("Sweep this parameter"), name_);
+  connect(sweep, &QAction::triggered, this, &ParameterRow::sweepWanted);
+  name_->addAction(sweep);
   name_->setMinimumWidth(90);
   grid.addWidget(name_, line, 0);
   widgets_ << name_;

@@ -44,6 +44,7 @@ class ParameterRow : public QObject {
   void edited(const std::string& text, bool dragging);
   void dragStarted();
   void message(const QString& text);
+  void sweepWanted();
 
  private:
   void addNumber(QGridLayout&, int line);

@@ -1,11 +1,14 @@
 #include "ui/pass_bars.h"
 
+#include <fmt/format.h>
 #include <qcustomplot.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/csv.h"
 #include "ui/palette.h"
+#include "ui/plot_export.h"
 #include "ui/plot_style.h"
 
 namespace hl::ui {
@@ -15,7 +18,7 @@ constexpr size_t kFrames = 120;
 
 }  // namespace
 
-PassBars::PassBars(PassPalette& palette, QWidget* parent) : QWidget(parent), palette_(palette), plot_(new QCustomPlot(this)) {
+PassBars::PassBars(PassPalette& palette, QWidget* parent) : QWidget(parent), palette_(palette), plot_(new QCustomPlot(this)), export_(new PlotExport(*plot_, *this, QStringLiteral("pass_times"), [this] { return csv(); })) {
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(0, 0, 0, 0);
   column->addWidget(plot_);
@@ -27,6 +30,7 @@ PassBars::PassBars(PassPalette& palette, QWidget* parent) : QWidget(parent), pal
   plot_->yAxis->setLabel(tr("ms"));
   plot_->setAccessibleName(tr("Pass times of the last frames"));
   stylePlot(*plot_, *this);
+  export_->showEverything = [this] { draw(); };
   connect(plot_, &QCustomPlot::mouseMove, this, [this](QMouseEvent* e) { showValueAt(e->position()); });
 }
 
@@ -118,11 +122,12 @@ void PassBars::showValueAt(QPointF p) {
   plot_->setToolTip({});
 }
 
-void PassBars::exportTo(const QString& file) {
-  if (file.endsWith(QStringLiteral(".pdf"), Qt::CaseInsensitive))
-    plot_->savePdf(file);
-  else
-    plot_->savePng(file, 0, 0, 2);
+std::string PassBars::csv() const {
+  std::string out = "frame,pass,ms\n";
+  for (const Frame& f : history_)
+    for (const std::string& pass : order_)
+      if (const auto found = f.ms.find(pass); found != f.ms.end()) out += fmt::format("{},{},{}\n", f.number, csvCell(pass), csvCell(found->second));
+  return out;
 }
 
 void PassBars::changeEvent(QEvent* event) {

@@ -15,6 +15,7 @@ class QCustomPlot;
 namespace hl::ui {
 
 class PassPalette;
+class PlotExport;
 
 class PassBars : public QWidget {
   Q_OBJECT
@@ -24,7 +25,9 @@ class PassBars : public QWidget {
   void add(uint64_t frame, const std::vector<PassTiming>& passes);
   void clear();
   void draw();
-  void exportTo(const QString& file);
+  /// Of the frames that are drawn: a line a frame and pass.
+  std::string csv() const;
+  PlotExport& exporter() { return *export_; }
   size_t frames() const { return history_.size(); }
 
  protected:
@@ -40,6 +43,7 @@ class PassBars : public QWidget {
 
   PassPalette& palette_;
   QCustomPlot* plot_;
+  PlotExport* export_;
   std::deque<Frame> history_;
   std::vector<std::string> order_;
   std::map<std::string, QCPBars*> bars_;

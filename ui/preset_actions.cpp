@@ -2,13 +2,17 @@
 #include "ui/preset_actions.h"
 
 #include <QAction>
+#include <QApplication>
 #include <QDateTime>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QMenu>
 #include <QMimeData>
+#include <QPointer>
+#include <QThreadPool>
 #include <QUrl>
 
+#include "ui/files.h"
 #include "ui/image_feed.h"
 #include "ui/settings.h"
 
@@ -62,14 +66,34 @@ void PresetActions::setPresets(const std::vector<PresetListing>& presets) {
 
 void PresetActions::openPath(const QString& path) {
   settings_.setValue(kFolderKey, QFileInfo(path).path());
-  document_.open(path);
+  const QString extension = path.section('/', -1).section('.', 1).section('.', -1).toLower();
+  if (!extension.isEmpty() && extension != QStringLiteral("json")) {
+    document_.open(path);
+    return;
+  }
+  // A folder, or one of the files that look alike: a worker looks into it.
+  QThreadPool::globalInstance()->start([self = QPointer<PresetActions>(this), path] {
+    const FileKind kind = kindOfFile(path.toStdString());
+    QMetaObject::invokeMethod(
+        qApp,
+        [self, path, kind] {
+          if (!self) return;
+          if (kind == FileKind::Results)
+            emit self->resultsOpened(path);
+          else if (kind == FileKind::Experiment)
+            emit self->experimentOpened(path);
+          else
+            self->document_.open(path);
+        },
+        Qt::QueuedConnection);
+  });
 }
 
 QString PresetActions::startFolder() const { return settings_.value(kFolderKey).toString(); }
 
 void PresetActions::openFile() {
   auto* dialog = new QFileDialog(window_, tr("Open"), startFolder(),
-                                 tr("Presets, scenes, meshes, bundles, screenshots (*.json *.obj *.gltf *.glb *.hlb *.png *.exr);;All files (*)"));
+                                 tr("Presets, scenes, meshes, bundles, experiments, screenshots (*.json *.obj *.gltf *.glb *.hlb *.png *.exr);;All files (*)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setFileMode(QFileDialog::ExistingFile);
   connect(dialog, &QFileDialog::fileSelected, this, &PresetActions::openPath);
@@ -120,7 +144,7 @@ void PresetActions::takeScreenshot() {
   shotWanted_ = true;
   shot_.reset();
   shotPath_.clear();
-  feed_.want(this, {"final"});
+  feed_.want(this, {"final", "display"});
   onFrame();
   auto* dialog = new QFileDialog(window_, tr("Save screenshot"), startFolder(), tr("As shown (*.png);;Linear picture (*.exr)"));
   dialog->setAttribute(Qt::WA_DeleteOnClose);
@@ -147,7 +171,7 @@ void PresetActions::takeScreenshot() {
 void PresetActions::onFrame() {
   if (!shotWanted_ || shot_) return;
   const auto frame = link_.latest();
-  if (!frame || !frame->images.count("final")) return;
+  if (!frame || frame->display.empty() || !frame->images.count("final")) return;
   shot_ = frame;
   feed_.want(this, {});
   writeScreenshot();

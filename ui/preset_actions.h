@@ -21,10 +21,15 @@ class PresetActions : public QObject {
   PresetActions(Document&, EngineLink&, ImageFeed&, Settings&, QWidget* window);
   void fill(QMenu& fileMenu);
   void setPresets(const std::vector<PresetListing>&);
+  /// Experiments and folders of results are passed on, everything else is opened.
   void openPath(const QString& path);
   /// True for what could be opened, by its looks; whether it is any good is told when it was read.
   static bool acceptable(const QMimeData&);
   void drop(const QMimeData&);
+
+ signals:
+  void experimentOpened(const QString& path);
+  void resultsOpened(const QString& folder);
 
  public slots:
   void openFile();

@@ -22,7 +22,8 @@ void SessionLink::restart() {
 
 void SessionLink::start() {
   ++epoch_;
-  thread_ = std::make_unique<SessionThread>(options_);
+  announced_ = nullptr;  // no thread runs
+  thread_ = std::make_unique<SessionThread>(options_, gate_);
   thread_->setCallbacks(
       [this] {
         // One waiting event is enough however fast frames come: its receiver takes the newest.
@@ -44,12 +45,21 @@ SessionLink::~SessionLink() {
 }
 
 void SessionLink::post(const std::string& key, Edit edit) {
-  thread_->post(std::move(edit), key + "@" + std::to_string(epoch_));
+  thread_->post(withPresenter(std::move(edit)), key + "@" + std::to_string(epoch_));
 }
 
 void SessionLink::postBarrier(Edit edit) {
   ++epoch_;
-  thread_->post(std::move(edit));
+  thread_->post(withPresenter(std::move(edit)));
+}
+
+/// The presenter comes with the session, which its own thread makes: the first edit there tells.
+SessionLink::Edit SessionLink::withPresenter(Edit edit) {
+  return [this, edit = std::move(edit)](Session& s) {
+    if (std::exchange(announced_, &s) != &s)
+      QMetaObject::invokeMethod(this, [this, presenter = s.presenter()] { emit presenterReady(presenter); }, Qt::QueuedConnection);
+    edit(s);
+  };
 }
 
 void SessionLink::report(const Error& error) {
@@ -146,6 +156,7 @@ void SessionLink::setImagesWanted(const std::vector<std::string>& names) {
   post("images", [names](Session& s) { s.setImagesWanted(names); });
   thread_->renderOnce();
 }
+void SessionLink::renderOnce() { thread_->renderOnce(); }
 void SessionLink::setRegions(const std::optional<std::vector<Region>>& regions) {
   post("regions", [regions](Session& s) { s.setRegions(regions); });
 }

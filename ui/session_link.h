@@ -30,6 +30,7 @@ class SessionLink : public EngineLink {
   void pick(int x, int y) override;
   void setReferenceWanted(bool) override;
   void setImagesWanted(const std::vector<std::string>& names) override;
+  void renderOnce() override;
   void setRegions(const std::optional<std::vector<Region>>&) override;
   void setWorkPaused(bool) override;
   void cancelWork() override;
@@ -46,6 +47,8 @@ class SessionLink : public EngineLink {
   void setPaused(bool) override;
   std::shared_ptr<const FrameResult> latest() const override;
   std::shared_ptr<const Progress> progress() const override;
+  SessionOptions sessionOptions() const override { return options_; }
+  std::shared_ptr<SessionGate> gate() const override { return gate_; }
 
  private:
   using Edit = std::function<void(Session&)>;
@@ -55,16 +58,19 @@ class SessionLink : public EngineLink {
   void postBarrier(Edit);
   /// In the worker thread; an Error it throws comes back as failed().
   void write(std::function<void()> work, const QString& path, const QString& what);
+  Edit withPresenter(Edit);
   void announce(const Preset&, const QString& from);  ///< from any thread
   void report(const Error&);                          ///< from any thread
 
   void start();
 
   SessionOptions options_;
+  std::shared_ptr<SessionGate> gate_ = std::make_shared<SessionGate>();
   QThreadPool files_;
   std::atomic<bool> framePending_{false};
   quint64 epoch_ = 0;
   bool loaded_ = false;  // of the session's thread
+  const Session* announced_ = nullptr;  // ... as well: whose presenter the window knows
   std::unique_ptr<SessionThread> thread_;  // last: it stops before anything it calls goes away
 };
 

@@ -35,6 +35,7 @@ int Snapshots::add(const FrameResult& frame, const QString& name) {
   kept->display.clear();
   kept->display.shrink_to_fit();
   kept->images.clear();
+  kept->references.clear();
   s.frame = std::move(kept);
   s.id = ++lastId_;
   s.name = name.isEmpty() ? tr("Snapshot %1, %2").arg(s.id).arg(QString::fromStdString(frame.preset.technique)) : name;

@@ -1,15 +1,15 @@
 #include "ui/viewport.h"
 
+#include <QDockWidget>
 #include <QHash>
 #include <QKeyEvent>
 #include <QMouseEvent>
-#include <QPainter>
 #include <QWheelEvent>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "ui/pick_overlay.h"
+#include "ui/swapchain_view.h"
 
 namespace hl::ui {
 namespace {
@@ -39,11 +39,51 @@ Viewport::Viewport(QWidget* parent) : QWidget(parent) {
   setMouseTracking(true);  // the pointer tells where the wipe's line can be taken
 }
 
-void Viewport::showFrame(std::shared_ptr<const FrameResult> frame) {
-  if (!frame || frame->display.empty()) return;
-  frame_ = std::move(frame);
-  image_ = QImage(frame_->display.data(), frame_->width, frame_->height, frame_->width * 4, QImage::Format_RGBX8888);
+Viewport::~Viewport() = default;
+
+bool Viewport::onDevice() const { return swapchain_ && swapchain_->isShown(); }
+
+void Viewport::usePresenter(std::shared_ptr<Presenter> presenter) {
+  swapchain_.reset();
+  if (presenter) {
+    swapchain_ = std::make_unique<SwapchainView>(std::move(presenter), this);
+    connect(swapchain_.get(), &SwapchainView::shown, this, qOverload<>(&QWidget::update));
+    connect(swapchain_.get(), &SwapchainView::refused, this, &Viewport::presenterFailed);
+    swapchain_->setView(presentView());
+    followDock();
+  }
   update();
+}
+
+/// Behind another tab nothing is drawn.
+void Viewport::followDock() {
+  disconnect(dock_);
+  if (!swapchain_) return;
+  for (QWidget* p = parentWidget(); p; p = p->parentWidget())
+    if (auto* dock = qobject_cast<QDockWidget*>(p)) {
+      dock_ = connect(dock, &QDockWidget::visibilityChanged, swapchain_.get(), &SwapchainView::setSeen);
+      return;
+    }
+}
+
+void Viewport::resizeEvent(QResizeEvent* event) {
+  if (swapchain_) swapchain_->resize(size()), swapchain_->setView(presentView());
+  QWidget::resizeEvent(event);
+}
+
+void Viewport::showEvent(QShowEvent* event) {
+  followDock();
+  QWidget::showEvent(event);
+}
+
+void Viewport::showFrame(std::shared_ptr<const FrameResult> frame) {
+  if (!frame || frame->width < 1 || frame->height < 1) return;
+  const bool asBefore = frame_ && QSize(frame_->width, frame_->height) == QSize(frame->width, frame->height);
+  frame_ = std::move(frame);
+  image_ = frame_->display.empty() ? QImage() : QImage(frame_->display.data(), frame_->width, frame_->height, frame_->width * 4, QImage::Format_RGBX8888);
+  // The device has drawn it by itself, where it does that.
+  const bool saysMore = pickShown_ || spaceHeld_ || !waiting_.isEmpty();
+  if (!onDevice() || !asBefore || saysMore) update();
 }
 
 void Viewport::setCamera(const Camera& camera, float sceneDiagonal) {
@@ -87,7 +127,9 @@ void Viewport::setComparison(const ShownComparison& comparison) {
   update();
 }
 
-QSizeF Viewport::pictureSize() const { return comparing() ? comparison_.pictures.a.size() : image_.size(); }
+QSizeF Viewport::pictureSize() const { return comparing() ? comparison_.pictures.a.size() : frameSize(); }
+
+QSize Viewport::frameSize() const { return frame_ ? QSize(frame_->width, frame_->height) : QSize(); }
 
 QRectF Viewport::paneAt(QPointF p) const {
   const std::vector<QRectF> panes = comparisonPanes(comparing() ? comparison_.mode : CompareMode::Off, rect());
@@ -114,44 +156,13 @@ void Viewport::setRegionTool(bool on) {
 }
 
 QRectF Viewport::drawnShares() const {
-  if (!bandStart_ || image_.isNull()) return {};
+  if (!bandStart_ || !frame_) return {};
   const QRectF r = view_.place(pictureSize(), paneAt(*bandStart_));
   const auto edge = [&](double at, double from, double length, int pixels) { return std::clamp(std::round((at - from) / length * pixels), 0.0, static_cast<double>(pixels)); };
-  const double x0 = edge(std::min(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width()), x1 = edge(std::max(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), image_.width());
-  const double y0 = edge(std::min(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height()), y1 = edge(std::max(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), image_.height());
+  const double x0 = edge(std::min(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), frame_->width), x1 = edge(std::max(bandStart_->x(), bandEnd_.x()), r.x(), r.width(), frame_->width);
+  const double y0 = edge(std::min(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), frame_->height), y1 = edge(std::max(bandStart_->y(), bandEnd_.y()), r.y(), r.height(), frame_->height);
   if (x1 - x0 < 1 || y1 - y0 < 1) return {};
-  return {x0 / image_.width(), y0 / image_.height(), (x1 - x0) / image_.width(), (y1 - y0) / image_.height()};
-}
-
-void Viewport::drawOutlines(QPainter& painter) {
-  if (image_.isNull()) return;
-  painter.save();
-  painter.setRenderHint(QPainter::Antialiasing, false);
-  painter.setBrush(Qt::NoBrush);
-  const auto outline = [&](const QRectF& box, const QString& name) {
-    painter.setPen(QPen(Qt::black, 3));
-    painter.drawRect(box);
-    painter.setPen(QPen(QColor(255, 221, 85), 1));
-    painter.drawRect(box);
-    if (name.isEmpty()) return;
-    const QRectF text(box.topLeft() + QPointF(3, 2), QSizeF(fontMetrics().horizontalAdvance(name) + 6, fontMetrics().height()));
-    painter.fillRect(text, QColor(0, 0, 0, 150));
-    painter.drawText(text, Qt::AlignCenter, name);
-  };
-  for (const QRectF& pane : comparisonPanes(comparing() ? comparison_.mode : CompareMode::Off, rect())) {
-    const QRectF r = view_.place(pictureSize(), pane);
-    painter.setClipRect(pane);
-    const auto placed = [&](double x, double y, double w, double h) { return QRectF(r.x() + x * r.width(), r.y() + y * r.height(), w * r.width(), h * r.height()); };
-    for (const Region& region : regions_)
-      outline(placed(static_cast<double>(region.x), static_cast<double>(region.y), static_cast<double>(region.width), static_cast<double>(region.height)), QString::fromStdString(region.name));
-    if (const QRectF band = drawnShares(); !band.isEmpty()) outline(placed(band.x(), band.y(), band.width(), band.height()), {});
-    if (marked_) {
-      const QRectF pixel = placed(marked_->x() / static_cast<double>(image_.width()), marked_->y() / static_cast<double>(image_.height()), 1.0 / image_.width(), 1.0 / image_.height());
-      const double grow = std::max(0.0, (9 - pixel.width()) / 2);
-      outline(pixel.adjusted(-grow, -grow, grow, grow), {});
-    }
-  }
-  painter.restore();
+  return {x0 / frame_->width, y0 / frame_->height, (x1 - x0) / frame_->width, (y1 - y0) / frame_->height};
 }
 
 QRectF Viewport::pictureRect() const {
@@ -161,10 +172,10 @@ QRectF Viewport::pictureRect() const {
 
 std::optional<QPoint> Viewport::pixelAt(QPointF p) const {
   const QRectF r = view_.place(pictureSize(), paneAt(p));
-  if (image_.isNull() || !r.contains(p)) return std::nullopt;
-  const int x = static_cast<int>((p.x() - r.x()) / r.width() * image_.width());
-  const int y = static_cast<int>((p.y() - r.y()) / r.height() * image_.height());
-  return QPoint(std::clamp(x, 0, image_.width() - 1), std::clamp(y, 0, image_.height() - 1));
+  if (!frame_ || !r.contains(p)) return std::nullopt;
+  const int x = static_cast<int>((p.x() - r.x()) / r.width() * frame_->width);
+  const int y = static_cast<int>((p.y() - r.y()) / r.height() * frame_->height);
+  return QPoint(std::clamp(x, 0, frame_->width - 1), std::clamp(y, 0, frame_->height - 1));
 }
 
 void Viewport::zoomBy(double factor, std::optional<QPointF> anchor) {
@@ -197,44 +208,6 @@ bool Viewport::moveWipe(int key, Qt::KeyboardModifiers modifiers) {
   return true;
 }
 
-void Viewport::paintEvent(QPaintEvent*) {
-  QPainter painter(this);
-  painter.fillRect(rect(), QColor(38, 38, 38));  // neutral, whatever the theme: it surrounds pictures that are judged
-  if (comparing())
-    paintComparison(painter, comparison_, view_, rect(), flickerSecond_);
-  else if (!image_.isNull())
-    paintPicture(painter, image_, pictureRect());
-  if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
-  drawOutlines(painter);
-  drawLabels(painter);
-}
-
-void Viewport::drawLabels(QPainter& painter) {
-  const int pad = fontMetrics().height() / 2;
-  const auto label = [&](const QString& text, Qt::Alignment where, QColor ink, QColor ground) {
-    const QRect area = rect().adjusted(pad, pad, -pad, -pad);
-    const int flags = static_cast<int>(where) | Qt::TextWordWrap;
-    const QRect box = fontMetrics().boundingRect(area.adjusted(pad, pad / 2, -pad, -pad / 2), flags, text);
-    painter.setPen(Qt::NoPen);
-    painter.setBrush(ground);
-    painter.drawRoundedRect(box.adjusted(-pad, -pad / 2, pad, pad / 2), 4, 4);
-    painter.setPen(ink);
-    painter.drawText(box, flags, text);
-  };
-  const QColor white(255, 255, 255), shade(0, 0, 0, 170);
-  if (comparison_.on() && !spaceHeld_ && !comparison_.pictures.refused.isEmpty()) label(tr("Comparison: %1").arg(comparison_.pictures.refused), Qt::AlignTop | Qt::AlignHCenter, white, shade);
-  painter.setRenderHint(QPainter::Antialiasing);
-  if (!waiting_.isEmpty() && (image_.isNull() || !cameraKnown_)) label(waiting_, Qt::AlignCenter, white, shade);
-  QString title;
-  if (spaceHeld_) title = frame_ && frame_->view == "reference" ? tr("Reference") : tr("Reference: waiting for the frame");
-  if (view_.zoom() > 1) title += (title.isEmpty() ? QString() : QStringLiteral("  ")) + tr("%1 \u00d7 (Ctrl+0 shows the whole picture)").arg(view_.zoom(), 0, 'f', 1);
-  if (paused_) title += (title.isEmpty() ? QString() : QStringLiteral("  ")) + tr("Paused");
-  if (!title.isEmpty()) label(title, Qt::AlignTop | Qt::AlignLeft, white, shade);
-  if (const QString facts = pickShown_ && frame_ ? pickedFacts(*frame_) : QString(); !facts.isEmpty())
-    label(facts + '\n' + tr("Esc hides this"), Qt::AlignTop | Qt::AlignRight, white, shade);
-  if (!notice_.isEmpty()) label(notice_, Qt::AlignBottom | Qt::AlignHCenter, white, QColor(140, 30, 20, 225));
-}
-
 void Viewport::moved() {
   if (cameraKnown_) emit cameraMoved(controller_.camera());
 }
@@ -243,7 +216,7 @@ void Viewport::mousePressEvent(QMouseEvent* event) {
   lastPosition_ = pressPosition_ = event->position();
   dragged_ = false;
   const bool band = regionTool_ || (event->modifiers() & (Qt::ControlModifier | Qt::ShiftModifier)) == (Qt::ControlModifier | Qt::ShiftModifier);
-  if (band && event->button() == Qt::LeftButton && !image_.isNull()) {
+  if (band && event->button() == Qt::LeftButton && frame_) {
     bandStart_ = bandEnd_ = event->position();
     return;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// The picture, read back and stretched to the widget, and the gestures on it. It shows the newest frame there is, and keeps the last good one.
+// The picture, read back and painted or drawn by the device, and the gestures on it. It shows the newest frame there is, and keeps the last good one.
 #include <QElapsedTimer>
 #include <QImage>
 #include <QTimer>
@@ -8,16 +8,20 @@
 #include <optional>
 #include <set>
 
+#include "engine/session/presenter.h"
 #include "engine/session/session.h"
 #include "ui/camera_controller.h"
 #include "ui/comparison_painter.h"
 
 namespace hl::ui {
 
+class SwapchainView;
+
 class Viewport : public QWidget {
   Q_OBJECT
  public:
   explicit Viewport(QWidget* parent = nullptr);
+  ~Viewport() override;
 
   void showFrame(std::shared_ptr<const FrameResult>);
   /// The camera as it stands, when someone else set it.
@@ -33,6 +37,11 @@ class Viewport : public QWidget {
   void setRegions(const std::vector<Region>&);
   /// Outlines this pixel of the frame; none: no more.
   void setMarkedPixel(std::optional<QPoint>);
+  /// Its pictures are drawn into a window of their own from now on, in place of being read back and painted; null: no more. Frames
+  /// come without the picture's bytes then, so that one more is needed after a change (EngineLink::renderOnce).
+  void usePresenter(std::shared_ptr<Presenter>);
+  /// That window, or null. Whether it has been drawn to: SwapchainView::isShown.
+  const SwapchainView* swapchainView() const { return swapchain_.get(); }
   bool regionTool() const { return regionTool_; }
   /// Where the picture lies in the widget; side by side, the left one. Zoomed in, it reaches beyond it.
   QRectF pictureRect() const;
@@ -50,6 +59,8 @@ class Viewport : public QWidget {
   void bookmarkStored(int number);
   void wipeMoved(double share);
   void inspectWanted(int x, int y);
+  /// The presenter's window cannot be drawn to, or no longer: the picture is read back again.
+  void presenterFailed(const QString& why);
   /// Drawn with the region tool, or with Ctrl and Shift held: in shares of the picture, on whole pixels.
   void regionDrawn(const QRectF& shares);
 
@@ -66,6 +77,8 @@ class Viewport : public QWidget {
 
  protected:
   void paintEvent(QPaintEvent*) override;
+  void resizeEvent(QResizeEvent*) override;
+  void showEvent(QShowEvent*) override;
   void mousePressEvent(QMouseEvent*) override;
   void mouseMoveEvent(QMouseEvent*) override;
   void mouseReleaseEvent(QMouseEvent*) override;
@@ -78,8 +91,14 @@ class Viewport : public QWidget {
  private:
   void moved();
   void flyOn();
+  void paintOver(QPainter&);
   void drawLabels(QPainter&);
+  bool overlaid() const;
+  PresentView presentView();
+  bool onDevice() const;  ///< the presenter's window shows the picture
+  void followDock();
   bool comparing() const { return comparison_.hasPicture() && !spaceHeld_; }
+  QSize frameSize() const;
   QSizeF pictureSize() const;
   QRectF paneAt(QPointF) const;
   void zoomBy(double factor, std::optional<QPointF> anchor = {});
@@ -89,7 +108,7 @@ class Viewport : public QWidget {
   void drawOutlines(QPainter&);
 
   std::shared_ptr<const FrameResult> frame_;
-  QImage image_;   // over the frame's own pixels, not a copy
+  QImage image_;   // over the frame's own pixels, not a copy; null where it came without
   QString waiting_, notice_;
   CameraController controller_;
   bool cameraKnown_ = false, paused_ = false, spaceHeld_ = false, dragged_ = false;
@@ -107,6 +126,8 @@ class Viewport : public QWidget {
   QTimer flickerTimer_;
   QTimer flyTimer_;
   QElapsedTimer flyClock_;
+  QMetaObject::Connection dock_;
+  std::unique_ptr<SwapchainView> swapchain_;
 };
 
 }  // namespace hl::ui

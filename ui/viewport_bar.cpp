@@ -44,7 +44,7 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
     line->addSpacing(6);
   };
   view_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-  view_->setMinimumContentsLength(16);
+  view_->setMinimumContentsLength(14);
   view_->view()->setMinimumWidth(fontMetrics().horizontalAdvance(QLatin1Char('0')) * 36);
   labelled(tr("View"), view_);
   errorMetric_->setAccessibleName(tr("Metric of the error view"));
@@ -73,7 +73,7 @@ ViewportBar::ViewportBar(Document& document, QWidget* parent)
   figures_->setTextFormat(Qt::PlainText);
   figures_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   figures_->setAlignment(Qt::AlignRight | Qt::AlignVCenter);
-  figures_->setMinimumWidth(40);
+  figures_->setMinimumWidth(fontMetrics().horizontalAdvance(QStringLiteral("00000   000.0 ms")));
   line->addWidget(figures_, 1);
 
   connect(view_, &QComboBox::activated, this, [this] { changed(tr("view %1").arg(view_->currentText())); });
@@ -135,12 +135,28 @@ void ViewportBar::addTool(QAction* action) {
 }
 
 void ViewportBar::showFrame(const FrameResult& f) {
-  QString text = tr("frame %1   %2 ms").arg(f.frame).arg(f.frameTime.medianMs, 0, 'f', 1);
+  const QString ms = QString::number(f.frameTime.medianMs, 'f', 1);
+  QString warning;
   for (const auto& [name, count] : f.counters)
-    if (count > 0 && (name == "nan_inf" || name == "negative"))
-      text = tr("%1 %2 pixels!   ").arg(count, 0, 'f', 0).arg(name == "negative" ? tr("negative") : tr("NaN or Inf")) + text;
-  figures_->setText(text);
-  figures_->setToolTip(tr("Frames since the last reset, and the median time of a frame"));
+    if (count > 0 && (name == "nan_inf" || name == "negative")) warning = tr("%1 %2 pixels!   ").arg(count, 0, 'f', 0).arg(name == "negative" ? tr("negative") : tr("NaN or Inf")) + warning;
+  // From what is said in full to what has to be said.
+  figureTexts_ = {warning + tr("frame %1   %2 ms").arg(f.frame).arg(ms), warning + tr("%1   %2 ms").arg(f.frame).arg(ms)};
+  if (!warning.isEmpty()) figureTexts_ << warning.trimmed();
+  figures_->setToolTip(tr("Frames since the last reset, and the median time of a frame") + QLatin1Char('\n') + figureTexts_.front());
+  fitFigures();
+}
+
+void ViewportBar::fitFigures() {
+  const QFontMetrics metrics = figures_->fontMetrics();
+  for (const QString& text : figureTexts_)
+    if (metrics.horizontalAdvance(text) <= figures_->width()) return figures_->setText(text);
+  if (!figureTexts_.isEmpty()) figures_->setText(metrics.elidedText(figureTexts_.back(), Qt::ElideRight, figures_->width()));
+}
+
+void ViewportBar::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  layout()->activate();  // so that the label has its new width
+  fitFigures();
 }
 
 }  // namespace hl::ui

@@ -21,7 +21,12 @@ class ViewportBar : public QWidget {
   /// A button for a tool of the viewport.
   void addTool(QAction*);
 
+ protected:
+  void resizeEvent(QResizeEvent*) override;
+
  private:
+  /// Shows as much of the frame's figures as there is room for.
+  void fitFigures();
   void readDocument();
   void readViews();
   void changed(const QString& what, quint64 drag = 0);
@@ -34,6 +39,7 @@ class ViewportBar : public QWidget {
   QCheckBox* invalid_;
   QComboBox* resolution_;
   QLabel* figures_;
+  QStringList figureTexts_;  ///< from the longest
 };
 
 }  // namespace hl::ui

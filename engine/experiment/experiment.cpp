@@ -9,6 +9,8 @@
 
 #include "engine/core/error.h"
 #include "engine/core/files.h"
+#include "engine/experiment/bundle.h"
+#include "engine/experiment/json_reader.h"
 #include "engine/experiment/preset_parameters.h"
 #include "engine/techniques/technique.h"
 
@@ -135,6 +137,22 @@ std::vector<PresetListing> listExperiments() {
   return out;
 }
 
+bool isExperiment(const std::string& nameOrPath) {
+  try {
+    if (isBundleFile(nameOrPath)) return bundleKind(nameOrPath) == BundleKind::Experiment;
+    if (fs::path(nameOrPath).extension() == ".json" && fs::is_regular_file(nameOrPath)) {
+      const nlohmann::json document = parseStrictJson(readFile(nameOrPath), nameOrPath);
+      return document.is_object() && document.contains("base");
+    }
+  } catch (const Error&) {
+    return false;  // whoever opens it says what is wrong
+  }
+  const auto named = [&](const std::vector<PresetListing>& list) {
+    return std::any_of(list.begin(), list.end(), [&](const PresetListing& l) { return l.id == nameOrPath; });
+  };
+  return fs::path(nameOrPath).extension().empty() && !named(listPresets()) && named(listExperiments());
+}
+
 Experiment openExperiment(const std::string& nameOrPath) {
   std::vector<std::string> names;
   if (!fs::is_regular_file(nameOrPath) && fs::path(nameOrPath).extension().empty()) {
@@ -146,7 +164,7 @@ Experiment openExperiment(const std::string& nameOrPath) {
     throw badInput(fmt::format("{}: an experiment's file is wanted, or the name of one: {}", nameOrPath,
                                near.empty() ? fmt::format("{}", fmt::join(names, ", ")) : fmt::format("did you mean {}?", near)));
   }
-  return loadExperiment(nameOrPath);
+  return isBundleFile(nameOrPath) ? openExperimentBundle(nameOrPath) : loadExperiment(nameOrPath);
 }
 
 }  // namespace hl

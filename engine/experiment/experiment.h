@@ -69,8 +69,11 @@ std::string experimentSchema(const std::string& presets);
 
 /// Those in presets/experiments/.
 std::vector<PresetListing> listExperiments();
-/// A file, or the name of one of those. @throws Error(BadInput)
+/// A file, a bundle of one, or the name of one of those. @throws Error(BadInput)
 Experiment openExperiment(const std::string& nameOrPath);
+/// Whether openExperiment() is what opens it: a file with a "base", a bundle of an experiment, or a shipped one's name that is no preset's. False where it cannot
+/// be read.
+bool isExperiment(const std::string& nameOrPath);
 
 /// Gives the preset another technique; the old one's parameters mean nothing to it and go. @throws Error(BadInput) for an unknown one.
 void changeTechnique(Preset&, const std::string& technique);

@@ -63,7 +63,7 @@ std::vector<DeviceInfo> listDevices() {
 Device::Impl::Impl(const DeviceOptions& options) {
   const char* variable = std::getenv("HALFLIGHT_VALIDATION");
   const bool wanted = variable != nullptr && *variable != '\0' && std::strcmp(variable, "0") != 0;
-  instance = std::make_unique<Instance>(options.validation || wanted);
+  instance = std::make_shared<Instance>(options.validation || wanted);
   std::vector<DeviceSurvey> all;
   for (VkPhysicalDevice d : instance->physicalDevices()) all.push_back(hl::survey(d));
   survey = choose(all, options.select);
@@ -106,6 +106,12 @@ Device::Impl::Impl(const DeviceOptions& options) {
   info.pNext = &features;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queueInfo;
+  if (!instance->surfaces())
+    noPresentation = "the Vulkan loader has no surfaces on X windows (VK_KHR_xcb_surface)";
+  else if (!survey.swapchains)
+    noPresentation = survey.info.name + " has no swapchains (VK_KHR_swapchain)";
+  else
+    extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   check(vkCreateDevice(survey.handle, &info, nullptr, &device), "opening " + survey.info.name);
@@ -178,6 +184,11 @@ void Device::Impl::submit(VkCommandBuffer commands) {
   check(vkResetFences(device, 1, &fence_), survey.info.name);
 }
 
+VkResult Device::Impl::onQueue(const std::function<VkResult(VkQueue)>& call) {
+  std::lock_guard lock(queueMutex_);
+  return call(queue);
+}
+
 void Device::Impl::once(const std::function<void(VkCommandBuffer)>& record) {
   std::lock_guard lock(onceMutex_);
   check(vkResetCommandPool(device, pool_, 0), "resetting a command pool");
@@ -202,7 +213,9 @@ uint64_t Device::validationMessages() const { return impl_->instance->log().coun
 std::vector<std::string> Device::takeValidationMessages() { return impl_->instance->log().take(); }
 uint64_t Device::bytesAllocated() const { return impl_->memory->bytesAllocated(); }
 
-void Device::waitIdle() { check(vkDeviceWaitIdle(impl_->device), impl_->survey.info.name); }
+void Device::waitIdle() {
+  check(impl_->onQueue([&](VkQueue) { return vkDeviceWaitIdle(impl_->device); }), impl_->survey.info.name);
+}
 
 Buffer Device::buffer(const std::string& name, uint64_t bytes, TexelFormat texels) {
   return impl_->makeBuffer(name, bytes, texels, MemoryUse::Device);

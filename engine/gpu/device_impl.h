@@ -16,7 +16,7 @@ struct Device::Impl : std::enable_shared_from_this<Device::Impl> {
   explicit Impl(const DeviceOptions&);
   ~Impl();
 
-  std::unique_ptr<Instance> instance;
+  std::shared_ptr<Instance> instance;  ///< shared with whoever made a surface from it
   DeviceSurvey survey;
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
@@ -24,6 +24,7 @@ struct Device::Impl : std::enable_shared_from_this<Device::Impl> {
   VkSampler clampSampler = VK_NULL_HANDLE, repeatSampler = VK_NULL_HANDLE, nearestSampler = VK_NULL_HANDLE;
   bool cpu = false;
   bool hostVisible = false;  ///< the host reads and writes buffers in place
+  std::string noPresentation;  ///< why there are no swapchains, or ""
   PFN_vkCmdBeginDebugUtilsLabelEXT beginLabel = nullptr;
   PFN_vkCmdEndDebugUtilsLabelEXT endLabel = nullptr;
   PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
@@ -34,6 +35,8 @@ struct Device::Impl : std::enable_shared_from_this<Device::Impl> {
   void name(VkObjectType, uint64_t handle, const std::string&) const;
   /// Submits and waits. @throws Error(Device) when the device is lost.
   void submit(VkCommandBuffer);
+  /// A call that needs the queue to itself, and is no submission.
+  VkResult onQueue(const std::function<VkResult(VkQueue)>&);
   /// Records commands, submits them and waits.
   void once(const std::function<void(VkCommandBuffer)>&);
 
@@ -65,6 +68,8 @@ struct ImageState {
   VkImageView sampledArray = VK_NULL_HANDLE;  ///< 2D array, all mips; null for depth
   VkImageView storage = VK_NULL_HANDLE;       ///< mip 0: storage and attachment
   VkImageUsageFlags usage = 0;
+  bool ofSwapchain = false;  ///< image and memory are the swapchain's; the views are ours
+  VkFormat windowFormat = VK_FORMAT_UNDEFINED;  ///< of those: channels in an order that `desc` has no word for
   bool filterable = false;  ///< linear filtering
   Allocation allocation;
   ResourceHistory history;

@@ -17,6 +17,8 @@ namespace hl {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+// Surfaces of the one window system that docks can float on; named here, since its header would need XCB's.
+constexpr const char* kSurfaceExtensions[] = {VK_KHR_SURFACE_EXTENSION_NAME, "VK_KHR_xcb_surface"};
 constexpr const char* kNoVulkan =
     "no Vulkan {}: install libvulkan1 and a driver for the GPU, or mesa-vulkan-drivers for the CPU (lavapipe)";
 
@@ -131,6 +133,9 @@ Instance::Instance(bool validation) : validation_(validation) {
     features.pNext = &messenger;
   }
   if (debugLabels_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  surfaces_ = std::all_of(std::begin(kSurfaceExtensions), std::end(kSurfaceExtensions),
+                                      [](const char* name) { return hasExtension(nullptr, name); });
+  if (surfaces_) extensions.insert(extensions.end(), std::begin(kSurfaceExtensions), std::end(kSurfaceExtensions));
 
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "Halflight";
@@ -230,6 +235,7 @@ DeviceSurvey survey(VkPhysicalDevice physical) {
     s.rayProperties.pNext = nullptr;
     s.scratchAlignment = structure.minAccelerationStructureScratchOffsetAlignment;
   }
+  s.swapchains = has(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   s.floatAtomics = atomics.shaderBufferFloat32AtomicAdd == VK_TRUE;
   s.storesInGraphics = features.features.vertexPipelineStoresAndAtomics == VK_TRUE &&
                        features.features.fragmentStoresAndAtomics == VK_TRUE;

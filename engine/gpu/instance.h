@@ -34,6 +34,7 @@ class Instance {
   VkInstance handle() const { return instance_; }
   bool validation() const { return validation_; }
   bool debugLabels() const { return debugLabels_; }
+  bool surfaces() const { return surfaces_; }  ///< of X windows; where the loader has none, nobody misses them
   MessageLog& log() { return log_; }
   /// @throws Error(Device) where there is none.
   std::vector<VkPhysicalDevice> physicalDevices() const;
@@ -41,7 +42,7 @@ class Instance {
  private:
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  bool validation_ = false, debugLabels_ = false;
+  bool validation_ = false, debugLabels_ = false, surfaces_ = false;
   MessageLog log_;
 };
 
@@ -56,6 +57,7 @@ struct DeviceSurvey {
   bool rayPipelines = false;
   VkPhysicalDeviceRayTracingPipelinePropertiesKHR rayProperties{};
   uint32_t scratchAlignment = 1;
+  bool swapchains = false;
   bool floatAtomics = false, storesInGraphics = false, extendedStorageFormats = false;
 };
 DeviceSurvey survey(VkPhysicalDevice);

@@ -259,7 +259,10 @@ void resolve(Pass& pass, PipelineCache& pipelines, BatchArena& arena, Device::Im
   request.constants = pass.constants;
   request.dispatchBase =
       pass.kind == Pass::Kind::Compute && pass.size[0] > device.survey.properties.limits.maxComputeWorkGroupCount[0];
-  for (const GpuImage& target : pass.targets.color) request.color.push_back(formatInfo(target.format()).vk);
+  for (const GpuImage& target : pass.targets.color) {
+    const VkFormat ofWindow = target.state()->windowFormat;
+    request.color.push_back(ofWindow != VK_FORMAT_UNDEFINED ? ofWindow : formatInfo(target.format()).vk);
+  }
   if (pass.targets.depth) request.depth = formatInfo(pass.targets.depth.format()).vk;
   bool created = false;
   pass.pipeline = pipelines.get(request, pass.name, &created);

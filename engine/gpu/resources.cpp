@@ -144,6 +144,7 @@ BufferState::~BufferState() {
 ImageState::~ImageState() {
   if (device == nullptr) return;
   for (VkImageView v : {sampled, sampledArray, storage}) vkDestroyImageView(device->device, v, nullptr);
+  if (ofSwapchain) return;
   vkDestroyImage(device->device, handle, nullptr);
   device->memory->release(allocation);
 }

@@ -30,6 +30,12 @@ std::string resultName(VkResult result) {
       return "a pool is fragmented";
     case VK_ERROR_OUT_OF_POOL_MEMORY:
       return "out of pool memory";
+    case VK_ERROR_SURFACE_LOST_KHR:
+      return "the window's surface was lost";
+    case VK_ERROR_OUT_OF_DATE_KHR:
+      return "the window has changed";
+    case VK_ERROR_NATIVE_WINDOW_IN_USE_KHR:
+      return "the window is in use already";
     default:
       return "Vulkan result " + std::to_string(static_cast<int>(result));
   }

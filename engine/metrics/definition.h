@@ -9,7 +9,7 @@ namespace hl {
 struct ChannelSample {
   double v, r;
   double a, b;
-  double guess, variance, own;  ///< for what divides by r, see denominator.h. Without halves `variance` is 0 and `own` 1
+  double guess, variance, own, spread;  ///< for what divides by r, see denominator.h. Without halves `own` is 1 and the others are 0
   double squaredError() const { return (v - a) * (v - b); }
   double referenceVariance() const { return (a - b) * (a - b) / 4; }
 };
@@ -18,9 +18,9 @@ struct ChannelSample {
 struct PixelSample {
   int channels;
   double v[3], r[3], a[3], b[3];
-  double guess[3], variance[3], own[3];
+  double guess[3], variance[3], own[3], spread[3];
   double guessDraw[3];  ///< one draw of the noise in `guess`
-  ChannelSample channel(int c) const { return {v[c], r[c], a[c], b[c], guess[c], variance[c], own[c]}; }
+  ChannelSample channel(int c) const { return {v[c], r[c], a[c], b[c], guess[c], variance[c], own[c], spread[c]}; }
 };
 
 /// Over the pixels that count.
@@ -58,7 +58,7 @@ struct MetricDefinition {
   void (*finish)(MetricResult&, const ReferenceStatistics&) = nullptr;
   /// From a pixel's term to what the map shows. Null: the term.
   double (*mapped)(double term) = nullptr;
-  /// Divides by the reference's pixel: a sample's `guess`, `variance` and `own` are then as denominator.h has them, where there are halves.
+  /// Divides by the reference's pixel: a sample's `guess`, `variance`, `own` and `spread` are then as denominator.h has them, where there are halves.
   bool calmDenominator = false;
 };
 

@@ -1,159 +1,167 @@
 #include "engine/metrics/denominator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "engine/core/math.h"
 #include "engine/metrics/separable_filter.h"
 
 namespace hl {
 
 namespace {
 
-constexpr int kReach = 2, kSide = 2 * kReach + 1;
-constexpr float kEdge = 0.9f;    // of the local mean: values this far apart are on two sides of an edge
-constexpr float kSupport = 1.0f;  // neighbours
-constexpr float kNoise = 1e-5f;  // a sum's own rounding
+constexpr int kReach = 2, kMostNeighbours = (2 * kReach + 1) * (2 * kReach + 1) - 1;
+// Pixels on one surface: the cosine between their normals is above kSameNormal, and the line between them is within kSamePlane (a sine) of both planes.
+constexpr float kSameNormal = 0.9f, kSamePlane = 0.1f;
+// So few on the pixel's surface say less than all round it; so few for each of a plane's two slopes.
+constexpr int kFewest = 4, kFewestForSlope = 8;
+// Added to the squared offsets, so that neighbours in a row leave the slope across it at 0.
+constexpr double kLevelling = 0.5;
+// Darker than the guess by so many standard deviations can be luck; by so many more the guess is wrong, and the pixel is believed.
+constexpr double kLuck = 4, kNoLuck = 5;
 
-/// Planes with a border of kReach zeros, so that windows need no care.
-struct Padded {
-  int width, height;
-  size_t stride() const { return static_cast<size_t>(width + 2 * kReach); }
-  size_t size() const { return stride() * static_cast<size_t>(height + 2 * kReach); }
-  size_t at(int x, int y) const { return static_cast<size_t>(y + kReach) * stride() + static_cast<size_t>(x + kReach); }
+/// In units in which the reference is smooth across a surface: without the offset, over the gain.
+struct Sample {
+  float mean[3], half[3];  ///< half: (A - B) / 2, one draw of the mean's noise
+};
+
+struct Surface {
+  vec3 position, normal;
 };
 
 struct Inputs {
-  Padded shape;
-  int channels;
-  Plane holds;                         ///< 1 where a pixel counts; the others are 0 there
-  Plane value[3], reference[3], half[3];  ///< half: (A - B) / 2
+  int width, height, channels;
+  std::vector<unsigned char> holds;  ///< where a pixel counts
+  std::vector<Sample> samples;
+  const ReferenceSurfaces* surfaces;
+
+  size_t at(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x); }
+  float gain(size_t i, int c) const { return surfaces && surfaces->gain.pixels() ? channel(surfaces->gain, i, c) : 1.0f; }
+  float offset(size_t i, int c) const { return surfaces && surfaces->offset.pixels() ? channel(surfaces->offset, i, c) : 0.0f; }
+  Surface surface(size_t i) const { return {vectorOf(surfaces->position, i), vectorOf(surfaces->normal, i)}; }
+
+ private:
+  static float channel(const Image& image, size_t i, int c) { return image.data[i * static_cast<size_t>(image.channels) + static_cast<size_t>(c)]; }
+  static vec3 vectorOf(const Image& image, size_t i) { return {channel(image, i, 0), channel(image, i, 1), channel(image, i, 2)}; }
 };
 
-/// Sums over the window, without the pixel itself.
-Plane othersOf(const Plane& in, const Padded& p, TaskPool* pool) {
-  Plane rows(p.size(), 0.0f), out(p.size(), 0.0f);
-  forRows(pool, p.height, [&](int first, int end) {
-    for (int y = first; y < end; ++y)
-      for (int k = -kReach; k <= kReach; ++k) {
-        const float* from = &in[p.at(0, y)] + k;
-        float* to = &rows[p.at(0, y)];
-        for (int x = 0; x < p.width; ++x) to[x] += from[x];
-      }
-  });
-  forRows(pool, p.height, [&](int first, int end) {
-    for (int y = first; y < end; ++y) {
-      float* to = &out[p.at(0, y)];
-      for (int k = -kReach; k <= kReach; ++k) {
-        const float* from = &rows[p.at(0, y + k)];
-        for (int x = 0; x < p.width; ++x) to[x] += from[x];
-      }
-      const float* own = &in[p.at(0, y)];
-      for (int x = 0; x < p.width; ++x) to[x] -= own[x];
-    }
-  });
-  return out;
+bool onOneSurface(const Surface& a, const Surface& b) {
+  const vec3 apart = b.position - a.position;
+  const float most = kSamePlane * glm::length(apart);
+  return glm::dot(a.normal, b.normal) > kSameNormal && std::fabs(glm::dot(a.normal, apart)) <= most && std::fabs(glm::dot(b.normal, apart)) <= most;
 }
 
-/// The value as the mean of those neighbours, itself among them, whose colour is near its own, by Tukey's weight. Where they are less than kSupport in
-/// all, the pixel stands alone (a firefly): there it is the mean of the others.
-void smooth(const Inputs& in, const Plane& count, TaskPool* pool, Plane (&out)[3]) {
-  const Padded& p = in.shape;
-  Plane means[3];
-  for (int c = 0; c < in.channels; ++c) means[c] = othersOf(in.value[c], p, pool), out[c].assign(p.size(), 0.0f);
-  forRows(pool, p.height, [&](int first, int end) {
-    const size_t width = static_cast<size_t>(p.width);
-    std::vector<float> perReach(width), apart(width), weights(width), near(width);
-    for (int y = first; y < end; ++y) {
-      const size_t row = p.at(0, y);
-      std::fill(weights.begin(), weights.end(), 0.0f);
-      for (size_t x = 0; x < width; ++x) {
-        float squares = 0;
-        for (int c = 0; c < in.channels; ++c) {
-          const float mean = (means[c][row + x] + in.value[c][row + x]) / (count[row + x] + 1);
-          squares += mean * mean;
-        }
-        perReach[x] = squares > 0 ? 1 / (kEdge * kEdge * squares) : 0;
+Inputs inputsOf(const ReferenceImage& reference, const std::vector<double>& weights) {
+  const Image& mean = reference.mean;
+  Inputs in{mean.width, mean.height, std::min(mean.channels, 3), std::vector<unsigned char>(weights.size(), 0), std::vector<Sample>(weights.size()),
+            reference.surfaces.get()};
+  for (int y = 0; y < in.height; ++y)
+    for (int x = 0; x < in.width; ++x) {
+      const size_t i = in.at(x, y);
+      const float *r = mean.pixel(x, y), *a = reference.halfA.pixel(x, y), *b = reference.halfB.pixel(x, y);
+      bool holds = weights[i] > 0;
+      Sample& s = in.samples[i];
+      for (int c = 0; c < in.channels; ++c) {
+        holds = holds && std::isfinite(r[c]) && std::isfinite(a[c]) && std::isfinite(b[c]);
+        const float gain = in.gain(i, c);  // 0: black whatever falls on it
+        s.mean[c] = gain > 0 ? (r[c] - in.offset(i, c)) / gain : 0.0f;
+        s.half[c] = gain > 0 ? (a[c] - b[c]) / 2 / gain : 0.0f;
       }
-      for (int k = 0; k < kSide * kSide; ++k) {  // the pixel itself among them, with weight 1
-        const size_t shifted = p.at(k % kSide - kReach, y + k / kSide - kReach);
-        std::fill(apart.begin(), apart.end(), 0.0f);
-        for (int c = 0; c < in.channels; ++c) {
-          const float *own = &in.value[c][row], *other = &in.value[c][shifted];
-          for (size_t x = 0; x < width; ++x) apart[x] += (other[x] - own[x]) * (other[x] - own[x]);
-        }
-        const float* holds = &in.holds[shifted];
-        for (size_t x = 0; x < width; ++x) {
-          const float close = std::max(1 - apart[x] * perReach[x], 0.0f);
-          near[x] = close * close * holds[x];
-          weights[x] += near[x];
-        }
-        for (int c = 0; c < in.channels; ++c) {
-          const float* other = &in.value[c][shifted];
-          float* to = &out[c][row];
-          for (size_t x = 0; x < width; ++x) to[x] += near[x] * other[x];
-        }
-      }
-      for (int c = 0; c < in.channels; ++c)
-        for (size_t x = 0; x < width; ++x) {
-          float& smoothed = out[c][row + x];
-          const bool alone = weights[x] < 1 + kSupport && count[row + x] > 0;
-          smoothed = in.holds[row + x] == 0 ? 0 : alone ? means[c][row + x] / count[row + x] : smoothed / weights[x];
-        }
-    }
-  });
-}
-
-Inputs inputsOf(const Image& value, const ReferenceImage& reference, const std::vector<double>& weights) {
-  Inputs in{{value.width, value.height}, std::min(value.channels, 3), {}, {}, {}, {}};
-  const Padded& p = in.shape;
-  in.holds.assign(p.size(), 0.0f);
-  for (int c = 0; c < in.channels; ++c)
-    for (Plane* plane : {&in.value[c], &in.reference[c], &in.half[c]}) plane->assign(p.size(), 0.0f);
-  for (int y = 0; y < value.height; ++y)
-    for (int x = 0; x < value.width; ++x) {
-      const float *v = value.pixel(x, y), *r = reference.mean.pixel(x, y), *a = reference.halfA.pixel(x, y), *b = reference.halfB.pixel(x, y);
-      bool holds = weights[static_cast<size_t>(y) * static_cast<size_t>(value.width) + static_cast<size_t>(x)] > 0;
-      for (int c = 0; c < in.channels; ++c) holds = holds && std::isfinite(v[c]) && std::isfinite(r[c]) && std::isfinite(a[c]) && std::isfinite(b[c]);
-      if (!holds) continue;
-      const size_t at = p.at(x, y);
-      in.holds[at] = 1;
-      for (int c = 0; c < in.channels; ++c) in.value[c][at] = v[c], in.reference[c][at] = r[c], in.half[c][at] = (a[c] - b[c]) / 2;
+      in.holds[i] = holds;
     }
   return in;
 }
 
+struct Neighbour {
+  size_t pixel;
+  double dx, dy, weight;  ///< weights add up to 1
+};
+
+/// Those whose weighted sum is the fitted plane's value at the pixel.
+struct Neighbours {
+  std::array<Neighbour, kMostNeighbours> list;
+  int count = 0;
+
+  void add(size_t pixel, int dx, int dy) { list[static_cast<size_t>(count++)] = {pixel, static_cast<double>(dx), static_cast<double>(dy), 0}; }
+  std::span<Neighbour> all() { return {list.data(), static_cast<size_t>(count)}; }
+
+  void weigh() {
+    double sumX = 0, sumY = 0, sumXX = kLevelling, sumXY = 0, sumYY = kLevelling;
+    for (const Neighbour& n : all()) sumX += n.dx, sumY += n.dy;
+    const double meanX = sumX / count, meanY = sumY / count;
+    for (const Neighbour& n : all())
+      sumXX += (n.dx - meanX) * (n.dx - meanX), sumXY += (n.dx - meanX) * (n.dy - meanY), sumYY += (n.dy - meanY) * (n.dy - meanY);
+    const double determinant = sumXX * sumYY - sumXY * sumXY;
+    const bool sloped = count >= kFewestForSlope;
+    const double slopeX = sloped ? (sumYY * meanX - sumXY * meanY) / determinant : 0, slopeY = sloped ? (sumXX * meanY - sumXY * meanX) / determinant : 0;
+    for (Neighbour& n : all()) n.weight = 1.0 / count - slopeX * (n.dx - meanX) - slopeY * (n.dy - meanY);
+  }
+};
+
+Neighbours neighboursOf(const Inputs& in, int x, int y) {
+  const auto collect = [&](bool anySurface) {
+    Neighbours out;
+    const Surface own = anySurface ? Surface{} : in.surface(in.at(x, y));
+    for (int dy = -kReach; dy <= kReach; ++dy)
+      for (int dx = -kReach; dx <= kReach; ++dx) {
+        if ((dx == 0 && dy == 0) || x + dx < 0 || y + dy < 0 || x + dx >= in.width || y + dy >= in.height) continue;
+        const size_t i = in.at(x + dx, y + dy);
+        if (in.holds[i] && (anySurface || onOneSurface(own, in.surface(i)))) out.add(i, dx, dy);
+      }
+    return out;
+  };
+  Neighbours out;
+  if (in.surfaces) out = collect(false);
+  if (out.count < kFewest) out = collect(true);
+  if (out.count > 0) out.weigh();
+  return out;
+}
+
 }  // namespace
 
-CalmedReference calmedReference(const Image& value, const ReferenceImage& reference, const std::vector<double>& weights, TaskPool* pool) {
-  const Inputs in = inputsOf(value, reference, weights);
-  const Padded& p = in.shape;
-  const Plane count = othersOf(in.holds, p, pool);
-  Plane smoothed[3];
-  smooth(in, count, pool, smoothed);
-  const Image blank(p.width, p.height, in.channels);
-  CalmedReference out{blank, blank, blank, blank};
-  for (int c = 0; c < in.channels; ++c) {
-    Plane squares(p.size());
-    for (size_t i = 0; i < squares.size(); ++i) squares[i] = in.half[c][i] * in.half[c][i];
-    const Plane values = othersOf(smoothed[c], p, pool), references = othersOf(in.reference[c], p, pool);
-    const Plane halves = othersOf(in.half[c], p, pool), variances = othersOf(squares, p, pool);
-    forRows(pool, p.height, [&](int first, int end) {
-      for (int y = first; y < end; ++y)
-        for (int x = 0; x < p.width; ++x) {
-          const size_t i = p.at(x, y);
-          float &guess = out.guess.pixel(x, y)[c], &trust = out.own.pixel(x, y)[c], &variance = out.variance.pixel(x, y)[c];
-          trust = 1;
-          if (in.holds[i] == 0 || count[i] == 0) continue;
-          const float own = smoothed[c][i], scale = values[i] > kNoise * std::fabs(own) ? own / values[i] : 1 / count[i];
-          guess = scale * references[i], variance = (variances[i] + squares[i]) / (count[i] + 1);
-          out.noise.pixel(x, y)[c] = scale * halves[i];
-          constexpr float kMost = kUncertain * kUncertain, kLeast = kCertain * kCertain;
-          // A black pixel among black ones, without any noise, is certain too.
-          const float level = std::min(std::fabs(guess), std::fabs(references[i]) / count[i]), light = std::max(level * level, 1e-30f);
-          trust = variance > 0 ? std::clamp((kMost * light - variance) / ((kMost - kLeast) * light), 0.0f, 1.0f) : 1;
-        }
-    });
-  }
+CalmedReference calmedReference(const ReferenceImage& reference, const std::vector<double>& weights, TaskPool* pool) {
+  const Inputs in = inputsOf(reference, weights);
+  const Image blank(in.width, in.height, in.channels);
+  CalmedReference out{blank, blank, blank, blank, blank};
+  std::fill(out.own.data.begin(), out.own.data.end(), 1.0f);
+  const auto fill = [&](int x, int y) {
+    const size_t i = in.at(x, y);
+    Neighbours neighbours = neighboursOf(in, x, y);
+    if (neighbours.count == 0) return;  // alone: its own value, as it stands
+    for (int c = 0; c < in.channels; ++c) {
+      const auto channel = static_cast<size_t>(c);
+      const auto square = [&](size_t pixel) { return static_cast<double>(in.samples[pixel].half[channel]) * static_cast<double>(in.samples[pixel].half[channel]); };
+      double guess = 0, draw = 0, variance = square(i), weightSquares = 0;
+      for (const Neighbour& n : neighbours.all()) {
+        guess += n.weight * static_cast<double>(in.samples[n.pixel].mean[channel]);
+        draw += n.weight * static_cast<double>(in.samples[n.pixel].half[channel]);
+        variance += square(n.pixel);
+        weightSquares += n.weight * n.weight;
+      }
+      variance /= neighbours.count + 1;
+      const double gain = static_cast<double>(in.gain(i, c)), ofGuess = weightSquares * variance;
+      double deviation = gain * std::sqrt(variance);
+      guess = static_cast<double>(in.offset(i, c)) + gain * guess;
+      const double level = std::max(guess, gain * std::sqrt(ofGuess)), r = static_cast<double>(reference.mean.pixel(x, y)[c]);
+      // A dark pixel's noise is less than its neighbours', by as much as it is darker; below 0, where no light is, there is nothing but noise.
+      const double darker = level > 0 ? std::clamp(r / level, 0.0, 1.0) : 1;
+      const double surely = deviation > 0 && r >= 0 ? std::clamp(((level - r) / deviation - kLuck) / (kNoLuck - kLuck), 0.0, 1.0) : 0;
+      const double calm = deviation > 0 ? std::min(1.0, kOwnNoise * level / deviation) : 1, own = calm + (1 - calm) * surely;
+      deviation *= 1 - surely * (1 - darker);
+      out.guess.pixel(x, y)[c] = static_cast<float>(guess);
+      out.own.pixel(x, y)[c] = static_cast<float>(own);
+      out.variance.pixel(x, y)[c] = static_cast<float>(deviation * deviation);
+      // E[1 / (rho + d)^2] is (1 + 3 var(d) / rho^2) / rho^2; over rho^2 + 3 var(d) it is 1 / rho^2.
+      out.spread.pixel(x, y)[c] = static_cast<float>(3 * (1 - own) * (1 - own) * gain * gain * ofGuess);
+      out.noise.pixel(x, y)[c] = static_cast<float>(gain * draw);
+    }
+  };
+  forRows(pool, in.height, [&](int first, int end) {
+    for (int y = first; y < end; ++y)
+      for (int x = 0; x < in.width; ++x)
+        if (in.holds[in.at(x, y)]) fill(x, y);
+  });
   return out;
 }
 

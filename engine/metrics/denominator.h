@@ -4,23 +4,24 @@
 
 namespace hl {
 
-/// What a reference in two halves says of itself. Images of its size, with up to three channels.
+/// What stands below the line, from the reference alone, so that all images are divided by the same. Images of its size, with up to three channels.
+/// Below a pixel's term stands rho^2 + e^2 + spread, where rho = guess + own (r - guess).
 struct CalmedReference {
-  Image guess;     ///< at a pixel, from all but the pixel
-  Image noise;     ///< one draw of the noise in it
-  Image variance;  ///< of the reference's mean, round the pixel
-  Image own;       ///< how far the pixel itself is to be trusted below the line: 0 to 1
+  Image guess;     ///< the reference at a pixel, from its neighbours without the pixel itself
+  Image own;       ///< the share of the pixel's own value, 0 to 1
+  Image variance;  ///< of the reference's mean, round the pixel: what the noise in `own` adds to the term is taken out with it
+  Image spread;    ///< what the noise in `guess` adds to the mean of 1 / (rho^2 + e^2), to second order, is taken out with it
+  Image noise;     ///< one draw of the noise in `guess`
 };
 
 /// Where a reference pixel is dark by the luck of few paths, 1/r^2 is wildly too large; and even a little of the noise that the denominator shares with
-/// the term above it outweighs a small error. While the reference's relative standard deviation is above kUncertain, the denominator therefore comes from
-/// the pixel's neighbours: the value's own pixel times the ratio of the reference's and the value's sums over the others of 5 x 5 (the ratio
-/// estimator of survey sampling). The value has the picture's edges and none of the reference's noise; the ratio takes out what it gets wrong. The
-/// value's own noise is smoothed first, within edges (a bilateral filter). Below kCertain the pixel's own value is used, and its bias, known to second order from
-/// the variance, is taken out by the metric; in between the two are mixed. In the limit it is the plain definition. Pixels without weight, and such as are
-/// not finite, are left out.
-CalmedReference calmedReference(const Image& value, const ReferenceImage& reference, const std::vector<double>& weights, TaskPool* pool);
+/// the term above it outweighs a small error. The guess is a plane fitted to the other pixels of 5 x 5 that lie on the same surface (those whose normals and
+/// positions say so, where the reference knows them), read off at the pixel: its noise is not the term's. Of the pixel's own value goes in as much as keeps
+/// its noise at kOwnNoise of the guess; and all of it where it is so much darker than the guess that it cannot be by luck. The share's correlation with the term is known to second
+/// order, and the metric takes it out. In the limit it is the plain definition. Pixels without weight, and such as are not finite, are left out.
+CalmedReference calmedReference(const ReferenceImage& reference, const std::vector<double>& weights, TaskPool* pool);
 
-inline constexpr float kCertain = 0.07f, kUncertain = 0.14f;
+/// Relative standard deviation.
+inline constexpr double kOwnNoise = 0.1;
 
 }  // namespace hl

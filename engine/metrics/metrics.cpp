@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "engine/core/error.h"
+#include "engine/core/math.h"
 #include "engine/metrics/block_mean.h"
 #include "engine/metrics/definition.h"
 #include "engine/metrics/denominator.h"
@@ -76,7 +77,7 @@ struct Images {
       for (int c = 0; c < channels; ++c) to[c] = static_cast<double>(from[c]);
     };
     read(value, s.v), read(mean, s.r), read(halfA, s.a), read(halfB, s.b);
-    if (calmed) read(calmed->guess, s.guess), read(calmed->variance, s.variance), read(calmed->own, s.own), read(calmed->noise, s.guessDraw);
+    if (calmed) read(calmed->guess, s.guess), read(calmed->variance, s.variance), read(calmed->own, s.own), read(calmed->spread, s.spread), read(calmed->noise, s.guessDraw);
     if (!calmed)
       for (int c = 0; c < channels; ++c) s.own[c] = 1;
     return s;
@@ -102,7 +103,6 @@ Images imagesOf(const Image& value, const ReferenceImage& reference) {
 }
 
 ReferenceStatistics statisticsOf(const Images& images, const std::vector<double>& weights, const MeasureOptions& options) {
-  constexpr std::array kLuminance{0.2126, 0.7152, 0.0722};
   double sum = 0, luminanceSum = 0, weightSum = 0, peak = -std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) continue;
@@ -110,10 +110,10 @@ ReferenceStatistics statisticsOf(const Images& images, const std::vector<double>
     for (int c = 0; c < images.channels; ++c) {
       const double r = sample.r[c];
       sum += weights[i] * r / images.channels;
-      luminanceSum +=
-          weights[i] * r * (images.channels == 3 ? kLuminance[static_cast<size_t>(c)] : 1.0 / images.channels);
+      if (images.channels != 3) luminanceSum += weights[i] * r / images.channels;
       peak = std::max(peak, r);
     }
+    if (images.channels == 3) luminanceSum += weights[i] * static_cast<double>(luminance(vec3(static_cast<float>(sample.r[0]), static_cast<float>(sample.r[1]), static_cast<float>(sample.r[2]))));
     weightSum += weights[i];
   }
   ReferenceStatistics s;
@@ -265,7 +265,7 @@ std::vector<MetricResult> measureRegions(std::string_view metric, const Image& v
   const std::vector<double> weights = weightsOf(value, options);
   const bool halves = hasHalves(reference);
   CalmedReference calmed;
-  if (halves && definition.calmDenominator) calmed = calmedReference(value, reference, weights, options.pool), images.calmed = &calmed;
+  if (halves && definition.calmDenominator) calmed = calmedReference(reference, weights, options.pool), images.calmed = &calmed;
   std::vector<double> windowed;
   if (definition.map) windowed = windowedTerms(definition, images, weights, options);
   const Measurement measurement{definition, images, halves, options, definition.map ? &windowed : nullptr};

@@ -1,6 +1,7 @@
 #pragma once
 // Error metrics (MEASURES.md section 3): pure functions from images to a value and a map.
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,10 +28,17 @@ struct MetricResult {
   Image map;                  ///< one channel, per pixel, 0 where a pixel does not count; empty unless asked for
 };
 
+/// What a reference was traced from, the same for every image of it and free of noise: which of its pixels can tell of each other. Images of its size.
+struct ReferenceSurfaces {
+  Image position, normal;  ///< of 3 channels or more; world space, unit geometric normals
+  Image gain, offset;      ///< the reference is gain * (what varies smoothly over a surface) + offset; empty: 1 and 0. At least as many channels as it has
+};
+
 /// A reference as one image, or as two independent half-budget images whose mean it is.
 struct ReferenceImage {
   Image mean;
   Image halfA, halfB;  ///< empty: the reference's variance is unknown. Their noise is independent from pixel to pixel.
+  std::shared_ptr<const ReferenceSurfaces> surfaces = nullptr;  ///< null: not known
 };
 
 struct MetricInfo {
@@ -58,7 +66,8 @@ struct MeasureOptions {
 /// RGB images (further channels are ignored; with fewer than three, those there are) of equal size. A term is taken per channel, a pixel's
 /// is the mean of its channels', and the metric is (a function of) the mean over the pixels that count. Where halves A and B are given, the
 /// square (v-r)^2 of a squared metric is (v-A)(v-B): its mean is free of the reference's variance, single values may be negative, and the
-/// floor is the same mean with (A-B)^2/4 instead. Denominators use the mean image, in relmse with its noise taken down. 0/0 is 0.
+/// floor is the same mean with (A-B)^2/4 instead. Denominators use the mean image, in relmse with its noise taken down (denominator.h): from the
+/// reference alone, so that the value is a quadratic function of the image with the same coefficients for every image. 0/0 is 0.
 /// @throws Error(BadInput) for an unknown id (nearest named), unequal sizes, a mask or weights of the wrong size, or where no pixel counts.
 MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const MeasureOptions& options);
 MetricResult measure(std::string_view metric, const Image& value, const ReferenceImage& reference, const Mask& mask = {}, bool wantMap = false,

@@ -4,18 +4,23 @@ namespace hl {
 
 namespace {
 
-double plain(double square, double r, const ReferenceStatistics& s) { return ratio(square, r * r + s.epsilon * s.epsilon); }
-
-/// (v-a)(v-b) f(r), f(r) = 1 / (r^2 + e^2), where r is the mean of a and b and has their noise, less what that adds to its mean to second order in the
-/// noise's variance q: with t = v - (the true r) that is t^2 f'' q / 2 - 2 t f' q + f'' q^2.
-double corrected(const ChannelSample& c, const ReferenceStatistics& s) {
-  const double below = c.r * c.r + s.epsilon * s.epsilon, square = c.squaredError();
-  if (below == 0) return ratio(square, below);
-  const double first = -2 * c.r / (below * below), second = (6 * c.r * c.r - 2 * s.epsilon * s.epsilon) / (below * below * below);
-  return square / below + 2 * (c.v - c.r) * first * c.variance - square * second * c.variance / 2 + second * c.variance * c.variance;
+/// What the term is divided by, and its derivatives by the denominator's root rho: of f(rho) = 1 / (rho^2 + e^2 + spread).
+struct Inverse {
+  double below, first, second;
+};
+Inverse inverseOf(const ChannelSample& c, const ReferenceStatistics& s) {
+  const double rho = c.guess + c.own * (c.r - c.guess), floor = s.epsilon * s.epsilon + c.spread, below = rho * rho + floor;
+  return {below, -2 * rho / (below * below), (6 * rho * rho - 2 * floor) / (below * below * below)};
 }
 
-double mixed(double own, double ofOwn, double ofGuess) { return own >= 1 ? ofOwn : own <= 0 ? ofGuess : own * ofOwn + (1 - own) * ofGuess; }
+/// (v-a)(v-b) f(rho), where rho has a share w of the noise of a and b, less what that adds to its mean to second order in the variance q of their mean: with
+/// t = v - (the true r) that is t^2 w^2 f'' q / 2 - 2 t w f' q + w^2 f'' q^2.
+double corrected(const ChannelSample& c, const ReferenceStatistics& s) {
+  const Inverse f = inverseOf(c, s);
+  const double square = c.squaredError(), q = c.variance, w = c.own;
+  if (q == 0 || f.below == 0) return ratio(square, f.below);
+  return square / f.below + 2 * (c.v - c.r) * w * f.first * q - square * w * w * f.second * q / 2 + w * w * f.second * q * q;
+}
 
 }  // namespace
 
@@ -24,9 +29,8 @@ const MetricDefinition kRelmse{
              .label = "relMSE",
              .formula = "mean (v-r)^2/(r^2+e^2), each channel by itself; e = 0.01 mean luminance of r",
              .squared = true},
-    .term = [](const ChannelSample& c, const ReferenceStatistics& s) { return mixed(c.own, corrected(c, s), plain(c.squaredError(), c.guess, s)); },
-    .floor = [](const ChannelSample& c,
-                const ReferenceStatistics& s) { return mixed(c.own, plain(c.referenceVariance(), c.r, s), plain(c.referenceVariance(), c.guess, s)); },
+    .term = corrected,
+    .floor = [](const ChannelSample& c, const ReferenceStatistics& s) { return ratio(c.referenceVariance(), inverseOf(c, s).below); },
     .calmDenominator = true,
 };
 

@@ -15,11 +15,13 @@
 namespace hl {
 namespace {
 
-constexpr std::string_view kMagic = "halflight reference 2\n";
+constexpr std::string_view kMagic = "halflight reference 3\n";
 constexpr size_t kHashDigits = 32;
 constexpr const char* kExtension = ".reference";
+constexpr uint32_t kMostBuckets = 256;  // in a file: more is damage
 
 struct Header {
+  char key[kHashDigits];
   uint32_t receivers, buckets;
   ReferenceCount now, next;
   uint64_t backFaceHits, nonFinite, paths, rays;
@@ -34,17 +36,26 @@ size_t payloadBytes(uint64_t receivers, uint64_t buckets) {
   return sizeof(Header) + receivers * ((2 * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3) + 1);
 }
 
-/// @throws Error(BadInput) with what is wrong with the file.
-ReferenceState parse(std::string_view bytes, uint32_t receivers, uint32_t buckets) {
-  const size_t expected = kMagic.size() + kHashDigits + payloadBytes(receivers, buckets);
+/// What the file holds, its length and checksum in order. @throws Error(BadInput) with what is wrong with it.
+Header headerOf(std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) throw badInput("it is no reference of this version");
-  if (bytes.size() != expected) throw badInput(fmt::format("it has {} bytes in place of {}", bytes.size(), expected));
-  const std::string_view hash = bytes.substr(kMagic.size(), kHashDigits);
-  const std::string_view payload = bytes.substr(kMagic.size() + kHashDigits);
-  if (hashOf(payload) != hash) throw badInput("its content does not match its checksum");
+  if (bytes.size() < kMagic.size() + kHashDigits + sizeof(Header)) throw badInput(fmt::format("it has {} bytes: it is cut off", bytes.size()));
+  const std::string_view hash = bytes.substr(kMagic.size(), kHashDigits), payload = bytes.substr(kMagic.size() + kHashDigits);
   Header h;
   std::memcpy(&h, payload.data(), sizeof h);
-  if (h.receivers != receivers || h.buckets != buckets ) throw badInput("it belongs to other receivers");
+  if (h.buckets > kMostBuckets || payload.size() != payloadBytes(h.receivers, h.buckets))
+    throw badInput(fmt::format("its {} bytes are not those of {} receivers with {} buckets", bytes.size(), h.receivers, h.buckets));
+  if (hashOf(payload) != hash) throw badInput("its content does not match its checksum");
+  return h;
+}
+
+std::string_view keyIn(const Header& h) { return {h.key, sizeof h.key}; }
+
+/// @throws Error(BadInput) with what is wrong with the file.
+ReferenceState parse(std::string_view bytes, std::string_view key, uint32_t receivers, uint32_t buckets) {
+  const Header h = headerOf(bytes);
+  if (h.receivers != receivers || h.buckets != buckets || keyIn(h) != key) throw badInput("it belongs to other receivers");
+  const std::string_view payload = bytes.substr(kMagic.size() + kHashDigits);
   ReferenceState s(receivers, buckets);
   s.now = h.now, s.next = h.next;
   s.backFaceHits = h.backFaceHits, s.nonFinite = h.nonFinite, s.paths = h.paths, s.rays = h.rays;
@@ -100,6 +111,12 @@ std::filesystem::path referenceCacheFile(const std::string& key, uint32_t sample
   return cacheFolder() / "references" / fmt::format("{}_{}{}", key, samples, kExtension);
 }
 
+void checkReferenceFile(const std::string& name, std::string_view bytes) {
+  const Header h = headerOf(bytes);
+  const std::string right = referenceCacheFile(std::string(keyIn(h)), h.next.paths).filename().string();
+  if (name != right) throw badInput(fmt::format("it is called {} and holds {}", name, right));
+}
+
 std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
                                             uint32_t maxSamples, uint32_t pass) {
   namespace fs = std::filesystem;
@@ -116,7 +133,7 @@ std::optional<ReferenceState> loadReference(const std::string& key, uint32_t rec
   }
   for (const auto& [samples, file] : found) {
     try {
-      ReferenceState s = parse(readFile(file), receivers, buckets);
+      ReferenceState s = parse(readFile(file), key, receivers, buckets);
       if (s.next.paths != samples) throw badInput("it does not hold the samples that its name says");
       fs::last_write_time(file, fs::file_time_type::clock::now(), ec);  // what was used last goes last
       return s;
@@ -128,7 +145,8 @@ std::optional<ReferenceState> loadReference(const std::string& key, uint32_t rec
 }
 
 void storeReference(const std::string& key, const ReferenceState& s) {
-  const Header h{s.receivers, s.buckets, s.now, s.next, s.backFaceHits, s.nonFinite, s.paths, s.rays};
+  Header h{{}, s.receivers, s.buckets, s.now, s.next, s.backFaceHits, s.nonFinite, s.paths, s.rays};
+  std::copy_n(key.begin(), std::min(key.size(), sizeof h.key), h.key);
   std::string bytes;
   bytes.reserve(kMagic.size() + kHashDigits + payloadBytes(s.receivers, s.buckets));
   bytes.append(kMagic).append(kHashDigits, '0');

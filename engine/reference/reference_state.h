@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/ext/vector_double3.hpp>
@@ -38,6 +39,8 @@ struct ReferenceState {
 
 /// Where a state of `key` with `samples` paths a half (once its pass is complete) is kept.
 std::filesystem::path referenceCacheFile(const std::string& key, uint32_t samples);
+/// That `bytes` are a whole and unaltered state, and that of the key and samples that the file's name says. @throws Error(BadInput) with what is wrong.
+void checkReferenceFile(const std::string& name, std::string_view bytes);
 
 /// The furthest state stored under `key` with at most `maxSamples` paths a half, or nothing. Only states with that many, or with a multiple of `pass`,
 /// will do: going on from others would round at other places than a run in one go. A file that is cut off, altered or of another shape is passed over

@@ -8,6 +8,7 @@
 #include "engine/scene/animation.h"
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
+#include "engine/session/presenter.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -80,12 +81,15 @@ void checkCamera(const Scene& scene, const std::string& name) {
                              guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
 }
 
-Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), graph(device, shaders) {}
+Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), presenter(std::make_shared<Presenter>(device)), graph(device, shaders) {}
+/// The window may hold on to the presenter; the device is ours.
+Session::Impl::~Impl() { presenter->end(); }
 
 Session::Session(const SessionOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Session::~Session() {
   for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
 }
+std::shared_ptr<Presenter> Session::presenter() const { return impl_->presenter; }
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
 
 void Session::Impl::summarise() { summary = summaryOf(*scene, pose); }
@@ -188,7 +192,7 @@ void Session::Impl::makeTechnique(const std::string& id) {
   held = false;
 }
 
-void Session::load(const Preset& preset, Progress* progress) {
+void Session::load(const Preset& preset, Progress* progress, const std::shared_ptr<const Scene>& loaded) {
   Impl& s = *impl_;
   Progress& p = progress ? *progress : *impl_->progress;
   checkResolution(preset.width, preset.height);
@@ -208,7 +212,7 @@ void Session::load(const Preset& preset, Progress* progress) {
   }
   checkView(preset.display.view, *technique);
   const std::filesystem::path beside = isBundleFile(preset.file) ? preset.file : preset.file.parent_path();
-  auto scene = std::make_shared<Scene>(loadScene(preset.scene, &p, beside));
+  auto scene = std::make_shared<Scene>(loaded ? *loaded : loadScene(preset.scene, &p, beside));
   if (!preset.camera) checkCamera(*scene, preset.cameraName);
   checkPlayback(*scene, preset.animation);
   if (preset.lights) applyLights(*scene, *preset.lights);
@@ -362,7 +366,8 @@ void Session::setReferenceWanted(bool wanted) {
   impl_->referenceStopped = false;
 }
 void Session::setImagesWanted(const std::vector<std::string>& names) {
-  const std::vector<std::string> known = impl_->imageNames();
+  std::vector<std::string> known = impl_->imageNames();
+  known.emplace_back("display");
   for (const std::string& name : names)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(known, ", ")));

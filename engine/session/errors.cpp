@@ -36,6 +36,17 @@ Image inAtlas(const Atlas& atlas, const Image& lumels) {
   return out;
 }
 
+std::shared_ptr<const ReferenceSurfaces> surfacesInAtlas(const Atlas& atlas) {
+  const int side = atlas.resolution;
+  ReferenceSurfaces out{Image(side, side, 3), Image(side, side, 3), {}, {}};
+  for (const Lumel& l : atlas.lumels)
+    for (int c = 0; c < 3; ++c) {
+      const size_t i = static_cast<size_t>(l.texel) * 3 + static_cast<size_t>(c);
+      out.position.data[i] = l.position[c], out.normal.data[i] = l.normal[c];
+    }
+  return std::make_shared<const ReferenceSurfaces>(std::move(out));
+}
+
 /// What the picture shows of a technique and of the truth, ready to be measured.
 struct Truth {
   const char* reference;
@@ -76,7 +87,7 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
       for (size_t c = 0; c < 3; ++c) lumels.data[i * 3 + c] = lightmap[i][static_cast<int>(c)];
     const Image value = inAtlas(*s.atlas, lumels);
     const ReferenceImage traced = s.lightmapRun.result->indirectImage(bounces);
-    const ReferenceImage truth{inAtlas(*s.atlas, traced.mean), inAtlas(*s.atlas, traced.halfA), inAtlas(*s.atlas, traced.halfB)};
+    const ReferenceImage truth{inAtlas(*s.atlas, traced.mean), inAtlas(*s.atlas, traced.halfA), inAtlas(*s.atlas, traced.halfB), surfacesInAtlas(*s.atlas)};
     options.weights.assign(value.pixels(), 0.0f);
     for (const Lumel& l : s.atlas->lumels) options.weights[l.texel] = l.area;
     for (const std::string& m : metrics) out.push_back(valueOf(measure(m, value, truth, options), m, "matched", "lightmap", "indirect", ""));
@@ -104,6 +115,8 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   std::vector<std::string> regions;
   for (auto& [name, part] : s.regionMasks(options.mask)) regions.push_back(name), parts.push_back(std::move(part));
 
+  const auto ofIndirect = surfaces.ofReference(false), ofFinal = surfaces.ofReference(true);
+  const ReferenceImage sun = s.full.result->directImage();  // direct light is no technique's: the matched reference's, of front faces or other normals, is not what is shown
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
   const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets);
@@ -113,8 +126,9 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
-    const ReferenceImage sun = run.result->directImage();
-    ReferenceImage whole{surfaces.composite(sun.mean, truth.mean), surfaces.composite(sun.halfA, truth.halfA), surfaces.composite(sun.halfB, truth.halfB)};
+    ReferenceImage whole = surfaces.composite(sun, truth);
+    whole.surfaces = ofFinal;
+    truth.surfaces = ofIndirect;
     truths.push_back({matched ? "matched" : "full", std::move(truth), std::move(whole)});
   }
 
@@ -127,7 +141,7 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   std::vector<Job> jobs;
   for (const Truth& truth : truths)
     for (const std::string& m : metrics)
-      for (const bool ofFinal : {false, true}) jobs.push_back({&truth, m, ofFinal, {}});
+      for (const bool composite : {false, true}) jobs.push_back({&truth, m, composite, {}});
   const auto run = [&](Job& job, const MeasureOptions& with) {
     job.results = measureRegions(job.metric, job.final ? final : indirect, job.final ? job.truth->final : job.truth->indirect, with, parts);
   };
@@ -155,9 +169,12 @@ Image Session::Impl::errorMap(const std::string& metric, bool againstFull) {
   if (!run.result) throw badInput("error map: there is no reference yet");
   const Image indirect = indirectIrradiance();
   MeasureOptions mapped;
-  mapped.mask = surfaceMask(), mapped.wantMap = true, mapped.appearance = appearance(), mapped.pool = &pool;
+  // Not surfaceImages(): an error map is made every frame.
+  const auto surfaces = std::make_shared<const ReferenceSurfaces>(ReferenceSurfaces{device.download(gbuffer.position), device.download(gbuffer.geometricNormal), {}, {}});
+  mapped.mask = maskOf(surfaces->position), mapped.wantMap = true, mapped.appearance = appearance(), mapped.pool = &pool;
   if (!anySet(mapped.mask)) return Image(indirect.width, indirect.height, 1);
-  const ReferenceImage truth = run.result->indirectImage(againstFull ? fullBounces() : technique->transport().bounces);
+  ReferenceImage truth = run.result->indirectImage(againstFull ? fullBounces() : technique->transport().bounces);
+  truth.surfaces = surfaces;
   return measure(metric, indirect, truth, mapped).map;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "engine/core/hash.h"
 #include "engine/core/log.h"
 #include "engine/scene/animation.h"
 #include "engine/session/session_impl.h"
@@ -56,7 +55,7 @@ void Session::Impl::addConvergencePoint() {
     for (size_t i = 0; i < next->size(); i += 2) (*next)[kept++] = std::move((*next)[i]);
     next->resize(kept);
   }
-  next->push_back({frameSinceChange, msSinceReset, errors});
+  next->push_back({frameSinceChange, msSinceReset, shownMs(lastTimings.wallMs), errors});
   convergence = std::move(next);
 }
 
@@ -161,15 +160,12 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.width = width, r.height = height;
   r.time = s.time, r.playing = running, r.camera = camera;
   r.view = viewId;
-  r.display.resize(static_cast<size_t>(width) * static_cast<size_t>(height) * 4);
-  s.device.download(s.displayImage, r.display.data(), r.display.size());
-  s.showHostView(r);
+  s.publishPicture(r);
   s.publishImages(r);
-  r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
   r.frameTime = s.frameProfiler.frame();
   r.unaccounted = s.frameProfiler.unaccounted();
   if (s.settledFrames == 0 && !worked && !running && !s.resetWanted && !s.held && s.techniqueSettled())
-    s.settledFrames = s.frameSinceChange, s.settledMs = s.msSinceReset;
+    s.settledFrames = s.frameSinceChange, s.settledMs = s.shownMs(timings.wallMs);
   r.prepareMs = s.prepareMs, r.sinceResetMs = s.msSinceReset;
   r.settledFrames = s.settledFrames, r.settledMs = s.settledMs;
   r.workMs = s.workMs, r.workUnits = s.workUnitsTimed;
@@ -221,17 +217,17 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   return result;
 }
 
-void Session::finishWork(Progress* progress) {
+void Session::finishWork(Progress* progress, double limitMs) {
   Progress& p = progress ? *progress : *impl_->progress;
   Impl& s = *impl_;
   if (s.frameNumber == 0 || s.resetWanted || s.techniqueStale) frame(&p);
   while (!s.workSettled()) {
     p.check();
-    s.runWork(1000, p);
+    s.runWorkWithin(limitMs, p);
   }
 }
 
-std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {
+std::shared_ptr<const FrameResult> Session::settle(Progress* progress, double limitMs) {
   if (impl_->scene && impl_->timeRuns())
     throw badInput("a scene whose time runs never settles: say how many frames are wanted, or let it stand still (animation.play false)");
   Progress& p = progress ? *progress : *impl_->progress;
@@ -240,13 +236,14 @@ std::shared_ptr<const FrameResult> Session::settle(Progress* progress) {
   // Units are numbered, so that giving them all the time at once changes the pace and nothing else.
   while (!s.workSettled()) {
     p.check();
-    s.runWork(1000, p);
+    s.runWorkWithin(limitMs, p);
     if (s.referenceWanted && s.full.result && !s.workSettled()) result = frame(&p);  // a point of the error over time
   }
   p.check();
   const double start = nowMs();
   do {
     p.check();
+    if (!s.techniqueSettled()) s.checkLimit(limitMs);
     result = frame(&p);
   } while (!result->settled || s.frameProfiler.frames() < kLeastTimedFrames ||
            (s.frameProfiler.frames() < kTimedFrames && nowMs() - start < kTimingBudgetMs));

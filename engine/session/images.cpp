@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/hash.h"
 #include "engine/passes/error_colours.h"
+#include "engine/session/presenter.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
 namespace {
+
+constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
 
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
@@ -43,12 +47,38 @@ Image SurfaceImages::composite(const Image& direct, const Image& indirect) const
   return out;
 }
 
+std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(bool composite) const {
+  ReferenceSurfaces out{position, geometricNormal, {}, {}};
+  if (composite) {
+    out.gain = albedo, out.offset = emission;
+    for (float& x : out.gain.data) x /= kPi;
+  }
+  return std::make_shared<const ReferenceSurfaces>(std::move(out));
+}
+
 SurfaceImages Session::Impl::surfaceImages() {
-  return {device.download(gbuffer.position), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
+  return {device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
 }
 
 Image Session::Impl::indirectIrradiance() {
   return indirectImage ? device.download(indirectImage) : Image(gbuffer.width, gbuffer.height, 4);
+}
+
+ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect) const {
+  return {composite(direct.mean, indirect.mean), composite(direct.halfA, indirect.halfA), composite(direct.halfB, indirect.halfB)};
+}
+
+ReferenceImage Session::Impl::referenceImage(const std::string& name) {
+  const bool limited = name.rfind("reference_matched", 0) == 0;
+  const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
+  if (!run) throw badInput(fmt::format("image '{}': there is no {}reference yet", name, limited ? "matched " : ""));
+  const SurfaceImages surfaces = surfaceImages();
+  const bool onlyDirect = name == "reference_direct", composite = !onlyDirect && !name.ends_with("_indirect");
+  ReferenceImage image = onlyDirect ? run->result->directImage() : run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
+  // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
+  if (composite) image = surfaces.composite(full.result->directImage(), image);
+  image.surfaces = surfaces.ofReference(composite);
+  return image;
 }
 
 Image Session::Impl::linearImage(const std::string& name) {
@@ -73,25 +103,15 @@ Image Session::Impl::linearImage(const std::string& name) {
     return three;
   }
   if (name == "emission") return withoutAlpha(device.download(gbuffer.emission));
-  if (name == "reference_indirect" || name == "reference_direct") {
-    if (!full.result) throw badInput(fmt::format("image '{}': there is no reference yet", name));
-    return name == "reference_direct" ? full.result->directImage().mean : full.result->indirectImage(fullBounces()).mean;
-  }
-  if (name == "reference") return surfaceImages().composite(linearImage("reference_direct"), linearImage("reference_indirect"));
-  if (name == "reference_matched" || name == "reference_matched_indirect") {
-    const ReferenceRun* run = matchedRun();
-    if (!run) throw badInput(fmt::format("image '{}': there is no matched reference yet", name));
-    const Image irradiance = run->result->indirectImage(technique->transport().bounces).mean;
-    return name == "reference_matched" ? surfaceImages().composite(run->result->directImage().mean, irradiance) : irradiance;
-  }
+  if (std::find(std::begin(kReferenceImages), std::end(kReferenceImages), name) != std::end(kReferenceImages)) return referenceImage(name).mean;
   for (const DebugView& v : technique->debugViews())
     if (v.id == name && v.image) return withoutAlpha(device.download(v.image));
   throw badInput(fmt::format("image '{}': there is none of that name; there are {}", name, fmt::join(imageNames(), ", ")));
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion",
-                                    "reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion"};
+  known.insert(known.end(), std::begin(kReferenceImages), std::end(kReferenceImages));
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;
 }
@@ -103,7 +123,7 @@ bool Session::Impl::motionWanted() const {
 const ReferenceRun* Session::Impl::matchedRun() const {
   if (!referencesStarted()) return nullptr;  // the technique was changed since
   const ReferenceRun& run = matched.tracer ? matched : full;
-  return run.result ? &run : nullptr;
+  return run.result && full.result ? &run : nullptr;  // direct light is the full one's
 }
 
 void Session::Impl::publishImages(FrameResult& r) {
@@ -121,10 +141,13 @@ void Session::Impl::publishImages(FrameResult& r) {
     const int bounces = limited ? technique->transport().bounces : fullBounces();
     const auto old = keptImages.find(name);
     const bool same = old != keptImages.end() && old->second.result == run->result && old->second.bounces == bounces;
-    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const Image>(linearImage(name))};
-    r.images[name] = kept[name].image;
+    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const ReferenceImage>(referenceImage(name))};
+    const std::shared_ptr<const ReferenceImage> image = kept[name].image;
+    r.references[name] = image;
+    r.images[name] = std::shared_ptr<const Image>(image, &image->mean);
   }
   keptImages = std::move(kept);
+  if (!r.images.empty()) r.surfaces = std::make_shared<const Mask>(surfaceMask());
 }
 
 Image Session::image(const std::string& view) {
@@ -132,20 +155,37 @@ Image Session::image(const std::string& view) {
   return impl_->linearImage(view);
 }
 
+/// To the host, to the window, or both.
+void Session::Impl::publishPicture(FrameResult& r) {
+  const double start = nowMs();
+  const bool onDevice = presenter->attached();
+  const bool wanted = !onDevice || std::find(imagesWanted.begin(), imagesWanted.end(), "display") != imagesWanted.end();
+  const size_t bytes = static_cast<size_t>(r.width) * static_cast<size_t>(r.height) * 4;
+  if (showHostView(r)) {
+    if (onDevice) device.upload(displayImage, 0, r.display.data(), bytes);
+  } else if (wanted) {
+    r.display.resize(bytes);
+    device.download(displayImage, r.display.data(), bytes);
+  }
+  if (!r.display.empty()) r.displayHash = hashOf({reinterpret_cast<const char*>(r.display.data()), r.display.size()});
+  if (onDevice) presenter->publish(displayImage);
+  r.publishMs = nowMs() - start;
+}
+
 /// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.
-void Session::Impl::showHostView(FrameResult& result) {
+bool Session::Impl::showHostView(FrameResult& result) {
   const std::string& id = preset.display.view;
   const bool error = id.rfind("error", 0) == 0, truth = id.rfind("reference", 0) == 0;
-  if (!error && !truth) return;
+  if (!error && !truth) return false;
   if (!full.result) {
     if (result.message.empty()) result.message = "the reference has no picture yet";
-    return;
+    return false;
   }
-  if (truth) {
+  if (truth)
     result.display = toneMapOnHost(linearImage(id), preset.display);
-    return;
-  }
-  result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
+  else
+    result.display = errorColours(errorMap(preset.display.errorMetric, id == "error_full"), metricInfo(preset.display.errorMetric));
+  return true;
 }
 
 }  // namespace hl

@@ -20,6 +20,22 @@ constexpr double kWorthStoringMs = 5000;
 
 }  // namespace
 
+void ReferenceRun::start(const std::shared_ptr<const EmbreeScene>& embree, std::vector<Receiver> receivers, int width, int height, const ReferenceSettings& settings,
+                         TaskPool& pool) {
+  if (tracer) return;
+  tracer = std::make_unique<ReferenceTracer>(embree, std::move(receivers), width, height, settings, pool);
+  tracer->resume();
+  result = tracer->result();
+}
+
+void ReferenceRun::advance(Progress& p) {
+  const double began = nowMs();
+  tracer->advance(p);
+  ms += nowMs() - began;
+  result = tracer->result();
+  if (tracer->settled()) tracer->store();
+}
+
 void ReferenceRun::drop() {
   if (tracer && !tracer->settled() && result && ms > kWorthStoringMs) {
     try {
@@ -141,6 +157,21 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
   } while (!workSettled() && nowMs() - start < budgetMs);
 }
 
+void Session::Impl::runWorkWithin(double limitMs, Progress& p) {
+  constexpr double kSliceMs = 1000;
+  checkLimit(limitMs);
+  runWork(limitMs > 0 ? std::min(kSliceMs, limitMs - prepareMs - workMs) : kSliceMs, p);
+}
+
+void Session::Impl::checkLimit(double limitMs) const {
+  const double used = prepareMs + (framesAreWork() ? msSinceReset : workMs);
+  if (limitMs > 0 && used >= limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", used, limitMs));
+}
+
+bool Session::Impl::framesAreWork() const { return !held && !techniqueStale && technique->framesToSettle() > 0; }
+
+double Session::Impl::shownMs(double frameMs) const { return framesAreWork() || !workUnitsTimed ? msSinceReset : workMs + frameMs; }
+
 bool Session::Impl::referenceShared() const {
   const Transport t = technique->transport();
   const bool sameSides = !t.frontFacesOnly || !features.twoSided;
@@ -172,10 +203,7 @@ void Session::Impl::startReferences() {
   freshEmbree();
   const std::vector<Receiver> pixels = receivers();
   const auto start = [&](ReferenceRun& run, bool matchedPaths) {
-    if (run.tracer) return;
-    run.tracer = std::make_unique<ReferenceTracer>(embree, pixels, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
-    run.tracer->resume();
-    run.result = run.tracer->result();
+    run.start(embree, pixels, gbuffer.width, gbuffer.height, referenceSettings(matchedPaths), pool);
   };
   start(full, false);
   if (!referenceShared()) start(matched, true);
@@ -194,11 +222,7 @@ void Session::Impl::runReference(double budgetMs, Progress& p) {
   while (!referencesSettled() && nowMs() - start < budgetMs) {
     // The two advance together, so that both have something to show early.
     ReferenceRun& run = !matched.tracer || full.tracer->done() <= matched.tracer->done() ? (full.tracer->settled() ? matched : full) : matched;
-    const double began = nowMs();
-    run.tracer->advance(p);
-    run.ms += nowMs() - began;
-    run.result = run.tracer->result();
-    if (run.tracer->settled()) run.tracer->store();
+    run.advance(p);
     measuredSettled = false;
   }
   referenceMs += nowMs() - start;
@@ -245,20 +269,11 @@ std::shared_ptr<const ReferenceResult> Session::reference(const std::string& tar
     throw badInput(fmt::format("technique '{}' has no lightmap, so there is no lightmap reference", s.preset.technique));
   ReferenceRun& run = s.lightmapRun;
   s.freshEmbree();
-  if (!run.tracer) {
-    run.tracer = std::make_unique<ReferenceTracer>(s.embree, receiversFromLumels(s.atlas->lumels),
-                                                   static_cast<int>(s.atlas->lumels.size()), 1, s.referenceSettings(true), s.pool);
-    run.tracer->resume();
-  }
+  run.start(s.embree, receiversFromLumels(s.atlas->lumels), static_cast<int>(s.atlas->lumels.size()), 1, s.referenceSettings(true), s.pool);
   while (!run.tracer->settled()) {
     p.check();
-    const double began = nowMs();
-    run.tracer->advance(p);
-    run.ms += nowMs() - began;
-    run.result = run.tracer->result();
+    run.advance(p);
   }
-  run.tracer->store();
-  run.result = run.tracer->result();
   return run.result;
 }
 

@@ -10,7 +10,7 @@
 namespace hl {
 namespace {
 
-void writeProvenance(JsonWriter& w, const Provenance& p) {
+void writeProvenance(JsonWriter& w, const Provenance& p, const std::string& imageHash = "") {
   w.beginObject()
       .member("commit", p.commit)
       .member("dirty", p.dirty)
@@ -21,8 +21,9 @@ void writeProvenance(JsonWriter& w, const Provenance& p) {
       .member("driver", p.driver)
       .member("api", p.api)
       .member("tracer", p.tracer)
-      .member("timing", p.timing)
-      .endObject();
+      .member("timing", p.timing);
+  if (!imageHash.empty()) w.member("image_hash", imageHash);
+  w.endObject();
 }
 
 void writePass(JsonWriter& w, const PassStatistics& p, const char* during) {
@@ -74,9 +75,9 @@ void writeError(JsonWriter& w, const ErrorValue& e) {
       .endObject();
 }
 
-std::string provenanceJson(const Provenance& p) {
+std::string provenanceJson(const Provenance& p, const std::string& imageHash) {
   JsonWriter w;
-  writeProvenance(w, p);
+  writeProvenance(w, p, imageHash);
   return w.str();
 }
 

@@ -27,8 +27,8 @@ void writeResultMembers(JsonWriter&, const RunResults&);
 
 void writeError(JsonWriter&, const ErrorValue&);
 
-/// Provenance as one JSON object.
-std::string provenanceJson(const Provenance&);
+/// Provenance as one JSON object, with the picture's hash where there is one.
+std::string provenanceJson(const Provenance&, const std::string& imageHash = "");
 /// The preset and its provenance, for Image::metadata.
 std::map<std::string, std::string> imageAttributes(const Preset&, const Provenance&);
 /// Of an image's values, for RunResults::imageHash.

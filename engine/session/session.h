@@ -22,6 +22,8 @@
 
 namespace hl {
 
+class Presenter;
+
 struct SessionOptions {
   DeviceOptions device;
   std::string tracer = "auto";
@@ -77,6 +79,7 @@ struct WorkReport {
 struct ConvergencePoint {
   uint64_t frame = 0;
   double ms = 0;            ///< of work since the reset, frames and units
+  double shownMs = 0;       ///< as FrameResult::settledMs would be, had the work ended here
   std::vector<ErrorValue> errors;
 };
 
@@ -88,9 +91,10 @@ struct FrameResult {
   double time = 0;                   ///< [s] of the scene's animations
   bool playing = false;
   Camera camera;                     ///< that it was seen with
-  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped
-  std::string displayHash;
+  std::vector<unsigned char> display;  ///< RGBA8, rows from the top: the chosen view, tone mapped; empty while a Presenter shows it and nobody wants "display"
+  std::string displayHash;             ///< "" without it
   std::string view;
+  double publishMs = 0;              ///< that bringing the picture to the host, to a window or to both took; no part of the frame's time
   PassStatistics frameTime;
   double unaccounted = 0;            ///< share of a frame's time that is in no pass (median); above a tenth the passes' times do not tell the whole
   double prepareMs = 0;              ///< that the lightmap's atlas and the technique's allocation and precomputation took, when they were last needed
@@ -98,7 +102,7 @@ struct FrameResult {
   uint64_t workUnits = 0;            ///< ... and how many
   double sinceResetMs = 0;           ///< frames and units of work since the reset
   uint32_t settledFrames = 0;        ///< frames since the reset with the first that shows the technique's finished work; 0 before it. Direct light may take more
-  double settledMs = 0;              ///< sinceResetMs at that frame
+  double settledMs = 0;              ///< units of work and that frame: frames that show work unfinished are not its own. Of a technique that converges over frames: sinceResetMs
   std::vector<PassStatistics> passes;     ///< of frames
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
@@ -120,6 +124,9 @@ struct FrameResult {
   Preset preset;                     ///< as it stands
   /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
   std::map<std::string, std::shared_ptr<const Image>> images;
+  /// Of these images a reference's, with their halves: errors against them are free of the reference's own variance.
+  std::map<std::string, std::shared_ptr<const ReferenceImage>> references;
+  std::shared_ptr<const Mask> surfaces;  ///< pixels that see a surface, which errors are means over; null where no image is wanted
 };
 
 class Session {
@@ -131,7 +138,8 @@ class Session {
   void useProgress(std::shared_ptr<Progress>);
 
   // Edits. Each is checked here and takes effect at the next frame; one that throws Error(BadInput) leaves everything as it was.
-  void load(const Preset&, Progress* = nullptr);
+  /// `loaded`: the preset's scene, as loadScene() gives it, where the caller has it already.
+  void load(const Preset&, Progress* = nullptr, const std::shared_ptr<const Scene>& loaded = nullptr);
   void setScene(const std::string& nameOrPath, Progress* = nullptr);  ///< keeps technique, parameters and display
   void setTechnique(const std::string& id);
   void setParam(const std::string& key, const std::string& text);
@@ -149,7 +157,8 @@ class Session {
   void setTime(double seconds);             ///< goes there; goes on from there where it plays
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
-  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. Not part of the preset.
+  /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. "display" is FrameResult::display. Not
+  /// part of the preset.
   void setImagesWanted(const std::vector<std::string>& names);
   void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
   void setWorkPaused(bool);
@@ -169,10 +178,10 @@ class Session {
 
   /// Drains edits, renders one frame, publishes. Between frames it gives long work `slice_ms`.
   std::shared_ptr<const FrameResult> frame(Progress* = nullptr);
-  /// Frames until nothing would change any more (bake and direct light settled).
-  std::shared_ptr<const FrameResult> settle(Progress* = nullptr);
-  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine.
-  void finishWork(Progress* = nullptr);
+  /// Frames until nothing would change any more (bake and direct light settled). @throws Error(Run) once preparation and work take longer than `limitMs` (0: no limit).
+  std::shared_ptr<const FrameResult> settle(Progress* = nullptr, double limitMs = 0);
+  /// Long work to its end, with one frame before it where it needs preparing: the number of frames does not depend on the machine. @throws as settle.
+  void finishWork(Progress* = nullptr, double limitMs = 0);
   /// Runs the reference to its settings, or takes it from the cache. Camera image, or lightmap (`target` "image" or "lightmap").
   std::shared_ptr<const ReferenceResult> reference(const std::string& target = "image", Progress* = nullptr);
   std::shared_ptr<const ReferenceResult> currentReference() const;
@@ -201,6 +210,8 @@ class Session {
   /// @throws Error(BadInput) as checkStep.
   StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;
+  /// Shows pictures in a window, for those who have one; it may outlive the session, and then does nothing.
+  std::shared_ptr<Presenter> presenter() const;
 
  private:
   struct Impl;

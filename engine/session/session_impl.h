@@ -21,18 +21,25 @@ struct ReferenceRun {
   std::shared_ptr<const ReferenceResult> result;  ///< of the last whole pass
   double ms = 0;                                  ///< spent on it here
 
+  /// From what the cache holds of it; nothing where it has been started.
+  void start(const std::shared_ptr<const EmbreeScene>&, std::vector<Receiver>, int width, int height, const ReferenceSettings&, TaskPool&);
+  /// A unit. The last one puts it into the cache.
+  void advance(Progress&);
   /// Forgets it; what was traced goes to the cache first where it took long enough to be missed.
   void drop();
 };
 
 /// What the host needs of the G-buffer to see a picture as the composite pass does. Images have 4 channels.
 struct SurfaceImages {
-  Image position, albedo, emission;
+  Image position, geometricNormal, albedo, emission;
   vec3 sky{0.0f};
 
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
   /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
   Image composite(const Image& direct, const Image& indirect) const;
+  /// For a reference of irradiance at these pixels, or for its composite.
+  std::shared_ptr<const ReferenceSurfaces> ofReference(bool composite) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect) const;
 };
 
 /// Pixels that see a surface, from the G-buffer's positions.
@@ -46,11 +53,13 @@ void checkPlayback(const Scene&, const Playback&);
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
+  ~Impl();
 
   SessionOptions options;
   std::shared_ptr<Progress> progress = std::make_shared<Progress>();
   Device device;
   ShaderLibrary shaders;
+  std::shared_ptr<Presenter> presenter;
   TaskPool pool;
   FrameGraph graph;
 
@@ -114,7 +123,7 @@ struct Session::Impl {
   struct KeptImage {
     std::shared_ptr<const ReferenceResult> result;
     int bounces = 0;
-    std::shared_ptr<const Image> image;
+    std::shared_ptr<const ReferenceImage> image;
   };
   std::map<std::string, KeptImage> keptImages;
   std::optional<std::pair<int, int>> pickPixel;
@@ -153,6 +162,11 @@ struct Session::Impl {
   void prepare(Progress&);
   void buildLightmap(Progress&);
   void runWork(double budgetMs, Progress&);
+  /// A slice of it, as part of all that preparation and work may take. @throws Error(Run) where that is over.
+  void runWorkWithin(double limitMs, Progress&);
+  void checkLimit(double limitMs) const;
+  bool framesAreWork() const;            ///< the technique converges over frames
+  double shownMs(double frameMs) const;  ///< see FrameResult::settledMs
   void runReference(double budgetMs, Progress&);
   bool workSettled() const;
   bool techniqueSettled() const;  ///< its work, and the frames it takes to converge
@@ -175,12 +189,15 @@ struct Session::Impl {
   // images.cpp
   std::vector<Receiver> receivers();
   SurfaceImages surfaceImages();
-  Mask surfaceMask();          ///< without the rest of surfaceImages(): an error map asks for it every frame
+  Mask surfaceMask();          ///< without the rest of surfaceImages()
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
-  void showHostView(FrameResult&);
+  bool showHostView(FrameResult&);
+  void publishPicture(FrameResult&);
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture
   std::vector<std::string> imageNames() const;
+  /// By the names that begin with "reference". @throws Error(BadInput) where there is none yet.
+  ReferenceImage referenceImage(const std::string& view);
   Image linearImage(const std::string& view);
 };
 

@@ -40,6 +40,7 @@ struct Edit {
 
 struct SessionThread::Impl {
   SessionOptions options;
+  std::shared_ptr<SessionGate> gate;
   mutable std::mutex mutex;
   std::condition_variable wake;
   std::deque<Edit> edits;
@@ -62,6 +63,7 @@ struct SessionThread::Impl {
   }
 
   void run();
+  bool enterGate();
   enum class Drained { Nothing, Edits, DeviceLost };
   Drained drain(Session&);
 };
@@ -92,6 +94,19 @@ SessionThread::Impl::Drained SessionThread::Impl::drain(Session& session) {
   return cancelled || !taken.empty() ? Drained::Edits : Drained::Nothing;
 }
 
+/// False once the thread is to end.
+bool SessionThread::Impl::enterGate() {
+  const auto stopped = [this] {
+    const std::lock_guard lock(mutex);
+    return stop;
+  };
+  const auto editsWait = [this] {
+    const std::lock_guard lock(mutex);
+    return cancelWanted || onceMore || !edits.empty();
+  };
+  return gate->enter(stopped, editsWait);
+}
+
 void SessionThread::Impl::run() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kWorkerNice);  // this thread alone
   std::unique_ptr<Session> session;
@@ -103,18 +118,23 @@ void SessionThread::Impl::run() {
   }
   uint64_t idleFrames = 0;
   while (true) {
+    // Unseen, frames go on only as long as there is work between them.
+    const auto mayRun = [&] { return started && (onceMore || (!paused && idleFrames < (visible ? kFramesForTiming : 1))); };
+    {
+      std::unique_lock lock(mutex);
+      wake.wait(lock, [&] { return stop || cancelWanted || !edits.empty() || mayRun(); });
+    }
+    if (!enterGate()) break;
+    const std::unique_ptr<SessionGate, void (*)(SessionGate*)> inside(gate.get(), [](SessionGate* g) { g->leave(); });
     const Drained drained = drain(*session);
     if (drained == Drained::DeviceLost) return;
     if (drained == Drained::Edits) idleFrames = 0;
     bool render = false;
     std::shared_ptr<Progress> current;
     {
-      std::unique_lock lock(mutex);
-      // Unseen, frames go on only as long as there is work between them.
-      const auto mayRun = [&] { return started && (onceMore || (!paused && idleFrames < (visible ? kFramesForTiming : 1))); };
-      wake.wait(lock, [&] { return stop || cancelWanted || !edits.empty() || mayRun(); });
+      const std::lock_guard lock(mutex);
       if (stop) break;
-      render = edits.empty() && !cancelWanted;
+      render = edits.empty() && !cancelWanted && mayRun();
       if (render) onceMore = false;
       current = progress;
     }
@@ -138,8 +158,9 @@ void SessionThread::Impl::run() {
   }
 }
 
-SessionThread::SessionThread(const SessionOptions& options) : impl_(std::make_unique<Impl>()) {
+SessionThread::SessionThread(const SessionOptions& options, std::shared_ptr<SessionGate> gate) : impl_(std::make_unique<Impl>()) {
   impl_->options = options;
+  impl_->gate = gate ? std::move(gate) : std::make_shared<SessionGate>();
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 
@@ -150,6 +171,7 @@ SessionThread::~SessionThread() {
     impl_->progress->cancel();
   }
   impl_->wake.notify_all();
+  impl_->gate->wake();
   impl_->thread.join();
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/session/session.h"
+#include "engine/session/session_gate.h"
 
 namespace hl {
 
@@ -12,7 +13,8 @@ class SessionThread {
  public:
   /// Starts the thread; the session is made there (a failure reaches onError, with ErrorKind::Device where it is the device's). Frames begin with the
   /// first edit, so that the owner chooses what is loaded. After an Error of kind Device the thread is done: make a new SessionThread.
-  explicit SessionThread(const SessionOptions&);
+  /// While `gate` (null: none) is closed, the thread waits with its edits and frames.
+  explicit SessionThread(const SessionOptions&, std::shared_ptr<SessionGate> gate = nullptr);
   /// Cancels what runs and joins; at most about one unit of work.
   ~SessionThread();
 

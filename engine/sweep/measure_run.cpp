@@ -18,9 +18,9 @@ namespace {
 // Frames that are timed after the picture is made, at least and at most, and how long at most (MEASURES.md section 4).
 constexpr int kLeastTimedFrames = 5, kTimedFrames = 30;
 constexpr double kTimingBudgetMs = 2000;
-// How often the clock is looked at where a run is limited, and what loading and timing may take besides.
+// How often the clock is looked at where a run is limited. By the clock it also measures and times frames: what that may take, of the limit and besides.
 constexpr int kLimitPollMs = 5;
-constexpr double kLimitSlackMs = 3000;
+constexpr double kLimitSlack = 0.5, kLimitSlackMs = 3000;
 
 double nowMs() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -40,22 +40,22 @@ ErrorAt pointOf(uint32_t frames, double ms, const std::vector<ErrorValue>& error
 FramePointer runUntilStop(Session& session, const Experiment& e, const std::vector<std::string>& metrics, RunRecord& record, Progress& p) {
   if (e.stop.kind == StopRule::Kind::Settled) {
     session.setReferenceWanted(true);  // it is there already: the session then follows the error while long work runs
-    FramePointer f = session.settle(&p);
+    FramePointer f = session.settle(&p, e.limitMs);
     session.setReferenceWanted(false);
     for (const ConvergencePoint& c : *f->convergence)
-      record.convergence.push_back(pointOf(static_cast<uint32_t>(c.frame), f->prepareMs + c.ms, c.errors, metrics));
+      record.convergence.push_back(pointOf(static_cast<uint32_t>(c.frame), f->prepareMs + c.shownMs, c.errors, metrics));
     record.frames = f->settledFrames;
     record.totalMs = f->prepareMs + f->settledMs;
     return f;
   }
   const bool frames = e.stop.kind == StopRule::Kind::Frames;
-  if (frames) session.finishWork(&p);  // by slices of time, how far the work is after N frames would depend on the machine
+  if (frames) session.finishWork(&p, e.limitMs);  // by slices of time, how far the work is after N frames would depend on the machine
   FramePointer f;
   do {
     p.check();
     f = session.frame(&p);
     if (std::has_single_bit(f->frame)) record.convergence.push_back(pointOf(f->frame, usedMs(*f), session.measureErrors(metrics), metrics));
-  } while (!f->techniqueFailed && (frames ? f->frame < static_cast<uint32_t>(e.stop.amount) : usedMs(*f) < e.stop.amount));
+  } while (!f->techniqueFailed && !(e.limitMs > 0 && usedMs(*f) > e.limitMs) && (frames ? f->frame < static_cast<uint32_t>(e.stop.amount) : usedMs(*f) < e.stop.amount));
   record.frames = f->frame;
   record.totalMs = usedMs(*f);
   return f;
@@ -80,20 +80,18 @@ class TimeLimit {
   std::jthread watch_;
 };
 
-/// The reference, and where runs are limited the whole of the work: what could take for ever.
-void prepareWithin(Session& session, const Experiment& e, Progress& p) {
-  session.reference("image", &p);  // not the run's own work, so no part of its limit
-  if (!(e.limitMs > 0)) return;
+/// Where runs are limited, ended by the clock as well: a unit of work, or a frame, could take for ever.
+FramePointer runWithin(Session& session, const Experiment& e, const std::vector<std::string>& metrics, RunRecord& record, Progress& p) {
+  if (!(e.limitMs > 0)) return runUntilStop(session, e, metrics, record, p);
+  const double most = (1 + kLimitSlack) * e.limitMs + kLimitSlackMs;
   Progress inner;
-  const TimeLimit limit(p, inner, e.limitMs + kLimitSlackMs);
+  const TimeLimit limit(p, inner, most);
   try {
-    session.finishWork(&inner);
+    return runUntilStop(session, e, metrics, record, inner);
   } catch (const Error& error) {
-    if (error.kind() == ErrorKind::Cancelled && limit.up() && !p.cancelled())
-      throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
-    throw;
+    if (error.kind() != ErrorKind::Cancelled || !limit.up() || p.cancelled()) throw;
+    throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms by the clock; the limit is {:.0f} ms", most, e.limitMs));
   }
-  if (limit.up()) throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms; the limit is {:.0f} ms", e.limitMs + kLimitSlackMs, e.limitMs));
 }
 
 /// More frames of what is there, for their times alone.
@@ -134,8 +132,8 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   const std::vector<std::string> metrics = measuredMetrics(e);
   session.setReferenceWanted(false);
   session.load(run.preset, &p);
-  prepareWithin(session, e, p);
-  const FramePointer made = runUntilStop(session, e, metrics, record, p);
+  session.reference("image", &p);  // not the run's own work, so no part of its limit
+  const FramePointer made = runWithin(session, e, metrics, record, p);
   const Transport t = session.transport();
   record.transport = fmt::format("{} bounces, {} faces, {} normals", t.bounces, t.frontFacesOnly ? "front" : "all",
                                  t.receiver == ReceiverNormal::Mapped ? "mapped" : "geometric");
@@ -156,10 +154,11 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   auto whole = std::make_shared<FrameResult>(*made);
   whole->frameTime = timed->frameTime, whole->passes = timed->passes, whole->unaccounted = timed->unaccounted;
   auto history = std::make_shared<std::vector<ConvergencePoint>>();
-  for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.errors});
+  for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.ms, at.errors});
   whole->convergence = history;
   results.frame = whole;
   record.frameTime = whole->frameTime;
+  record.passes = whole->passes, record.workPasses = whole->workPasses;
   record.techniqueMs = ownPasses(*whole);
   record.prepareMs = whole->prepareMs, record.workMs = whole->workMs;
   takeMemory(*whole, record);

@@ -24,7 +24,8 @@ std::vector<FrontPlace> paretoFront(std::span<const CostPoint> points) {
     for (const CostPoint& q : points) {
       if (!(q.cost <= p.cost && q.error <= p.error) || (q.cost == p.cost && q.error == p.error)) continue;
       const bool surely = q.error + q.halfWidth < p.error - p.halfWidth && q.cost + q.costHalfWidth <= p.cost - p.costHalfWidth;
-      out[i] = std::max(out[i], surely ? FrontPlace::Off : FrontPlace::Within);
+      out[i] = surely ? FrontPlace::Off : FrontPlace::Within;
+      if (surely) break;
     }
   }
   return out;

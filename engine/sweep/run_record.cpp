@@ -51,6 +51,14 @@ void writeErrors(JsonWriter& w, const std::vector<ErrorValue>& errors) {
   w.endArray();
 }
 
+PassStatistics passOf(const json& p) {
+  PassStatistics out;
+  out.name = p.at("name"), out.where = p.at("where");
+  out.medianMs = value(p, "median_ms"), out.p5Ms = value(p, "p5_ms"), out.p95Ms = value(p, "p95_ms");
+  if (!p.at("skipped").is_null()) out.skipped = p.at("skipped");
+  return out;
+}
+
 }  // namespace
 
 void hashMeasurement(Hasher& h, const Experiment& e, const Preset& preset) {
@@ -128,6 +136,7 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
       r.frameTime.medianMs = value(f, "median"), r.frameTime.p5Ms = value(f, "p5"), r.frameTime.p95Ms = value(f, "p95");
       r.prepareMs = value(d, "prepare_ms"), r.workMs = value(d.at("work"), "ms");
       r.imageHash = d.at("image").at("hash");
+      for (const json& pass : d.at("passes")) (pass.at("during") == "work" ? r.workPasses : r.passes).push_back(passOf(pass));
     }
     return r;
   } catch (const json::exception& e) {

@@ -42,6 +42,7 @@ struct RunRecord {
   std::string failed;              ///< why there are no numbers, or ""
   uint32_t frames = 0;             ///< that the picture took
   PassStatistics frameTime;        ///< frames as they are once the work has settled
+  std::vector<PassStatistics> passes, workPasses;  ///< of a frame; of a unit of work
   double techniqueMs = 0;          ///< of a frame: median of the technique's own passes
   double prepareMs = 0, workMs = 0;
   double totalMs = 0;              ///< preparation, work and frames up to the picture that was measured

@@ -136,6 +136,21 @@ std::vector<EqualTime> equalTimes(const SweepResults& r, const ConfigurationSumm
   return out;
 }
 
+std::vector<PassSummary> passesOf(const SweepResults& r, const std::vector<size_t>& runs, std::vector<PassStatistics> RunRecord::*kind) {
+  std::vector<PassSummary> out;
+  std::vector<std::vector<double>> ms;
+  for (const size_t i : runs)
+    for (const PassStatistics& p : (*r.runs[i]).*kind) {
+      if (!p.skipped.empty() && !(p.medianMs > 0)) continue;
+      size_t at = 0;
+      while (at < out.size() && out[at].name != p.name) ++at;
+      if (at == out.size()) out.push_back({p.name, p.where, {}}), ms.emplace_back();
+      ms[at].push_back(p.medianMs);
+    }
+  for (size_t i = 0; i < out.size(); ++i) out[i].ms = spreadOf(ms[i]);
+  return out;
+}
+
 ConfigurationSummary summaryOf(const SweepResults& r, size_t configuration, size_t problem) {
   ConfigurationSummary c;
   c.configuration = configuration, c.problem = problem;
@@ -158,60 +173,15 @@ ConfigurationSummary summaryOf(const SweepResults& r, size_t configuration, size
   }
   c.frameMs = spreadOf(frame), c.techniqueMs = spreadOf(technique), c.prepareMs = spreadOf(prepare), c.workMs = spreadOf(work), c.totalMs = spreadOf(total);
   if (good.empty()) return c;
+  c.passes = passesOf(r, good, &RunRecord::passes), c.workPasses = passesOf(r, good, &RunRecord::workPasses);
   c.errors = errorsOf(r, good);
   c.parts = partsOf(r, good, c);
   c.pathTracer = equalTimes(r, c, transport);
   return c;
 }
 
-double costOf(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames) {
-  switch (axis) {
-    case FrontAxis::Frame:
-      return c.frameMs.median;
-    case FrontAxis::Total:
-      return c.totalMs.median;
-    case FrontAxis::Amortised:
-      return c.amortisedMs(amortiseFrames);
-    case FrontAxis::Memory:
-      return c.techniqueBytes;
-  }
-  return 0;
-}
-
-/// Half of what lies between the 5th and the 95th percentile over runs.
-double costSpread(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames) {
-  const auto half = [](const Spread& s) { return (s.p95 - s.p5) / 2; };
-  switch (axis) {
-    case FrontAxis::Frame:
-      return half(c.frameMs);
-    case FrontAxis::Total:
-      return half(c.totalMs);
-    case FrontAxis::Amortised:
-      return half(c.frameMs) + (half(c.prepareMs) + half(c.workMs)) / amortiseFrames;
-    case FrontAxis::Memory:
-      return 0;
-  }
-  return 0;
-}
-
 /// The interval over seeds; of a single seed nothing is known but the reference's noise.
 double halfWidthOf(const ErrorSummary& e) { return std::isfinite(e.value.halfWidth) ? e.value.halfWidth : kNormal95 * e.standardError; }
-
-Front frontOf(const SweepResults& r, const Summary& s, size_t problem, FrontAxis axis, const std::string& reference) {
-  Front front{problem, axis, reference, r.experiment.metrics.front(), {}};
-  for (const ConfigurationSummary& c : s.configurations) {
-    const ErrorSummary* e = c.problem == problem ? find(c, reference, front.metric) : nullptr;
-    if (!e) continue;
-    front.points.push_back({c.configuration, {costOf(c, axis, r.experiment.amortiseFrames), badness(front.metric, e->value.mean), halfWidthOf(*e), costSpread(c, axis, r.experiment.amortiseFrames)},
-                            FrontPlace::On});
-  }
-  std::stable_sort(front.points.begin(), front.points.end(), [](const FrontPoint& a, const FrontPoint& b) { return a.point.cost < b.point.cost; });
-  std::vector<CostPoint> points;
-  for (const FrontPoint& p : front.points) points.push_back(p.point);
-  const std::vector<FrontPlace> places = paretoFront(points);
-  for (size_t i = 0; i < places.size(); ++i) front.points[i].place = places[i];
-  return front;
-}
 
 /// relmse to its root.
 CostPoint relative(double ms, double relmse, double halfWidth) {
@@ -234,7 +204,7 @@ void addTables(const SweepResults& r, Summary& s, size_t problem, const std::str
     for (const ConfigurationSummary& c : s.configurations)
       if (const ErrorSummary* e = c.problem == problem ? find(c, reference, "relmse") : nullptr)
         byTechnique[r.configurations[c.configuration].preset.technique].push_back(
-            relative(costOf(c, axis, r.experiment.amortiseFrames), e->value.mean, halfWidthOf(*e)));
+            relative(costOf(c, axis, r.experiment.amortiseFrames).median, e->value.mean, halfWidthOf(*e)));
     for (const auto& [technique, points] : byTechnique) s.tables.push_back(tableOf(r, {problem, technique, reference, axis, {}, {}, {}, {}}, points));
   }
   // Its frames are its whole work: there is no time apart for one.
@@ -275,6 +245,36 @@ double badness(const std::string& metric, double value) {
   return value;
 }
 
+Spread costOf(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames) {
+  switch (axis) {
+    case FrontAxis::Frame:
+      return c.frameMs;
+    case FrontAxis::Total:
+      return c.totalMs;
+    case FrontAxis::Amortised:
+      return {c.amortisedMs(amortiseFrames), c.frameMs.p5 + (c.prepareMs.p5 + c.workMs.p5) / amortiseFrames, c.frameMs.p95 + (c.prepareMs.p95 + c.workMs.p95) / amortiseFrames};
+    case FrontAxis::Memory:
+      return {c.techniqueBytes, c.techniqueBytes, c.techniqueBytes};
+  }
+  return {};
+}
+
+Front frontOf(const SweepResults& r, const Summary& s, size_t problem, FrontAxis axis, const std::string& reference, const std::string& metric) {
+  Front front{problem, axis, reference, metric, {}};
+  for (const ConfigurationSummary& c : s.configurations) {
+    const ErrorSummary* e = c.problem == problem ? find(c, reference, front.metric) : nullptr;
+    if (!e) continue;
+    const Spread cost = costOf(c, axis, r.experiment.amortiseFrames);
+    front.points.push_back({c.configuration, {cost.median, badness(front.metric, e->value.mean), halfWidthOf(*e), (cost.p95 - cost.p5) / 2}, FrontPlace::On});
+  }
+  std::stable_sort(front.points.begin(), front.points.end(), [](const FrontPoint& a, const FrontPoint& b) { return a.point.cost < b.point.cost; });
+  std::vector<CostPoint> points;
+  for (const FrontPoint& p : front.points) points.push_back(p.point);
+  const std::vector<FrontPlace> places = paretoFront(points);
+  for (size_t i = 0; i < places.size(); ++i) front.points[i].place = places[i];
+  return front;
+}
+
 Summary summarise(const SweepResults& r) {
   Summary s;
   std::vector<size_t> problemAt(r.configurations.size());
@@ -284,7 +284,7 @@ Summary summarise(const SweepResults& r) {
   for (size_t problem = 0; problem < r.problems.size(); ++problem)
     for (const std::string& reference : r.experiment.references) {
       for (const FrontAxis axis : {FrontAxis::Frame, FrontAxis::Total, FrontAxis::Amortised, FrontAxis::Memory})
-        s.fronts.push_back(frontOf(r, s, problem, axis, reference));
+        s.fronts.push_back(frontOf(r, s, problem, axis, reference, r.experiment.metrics.front()));
       addTables(r, s, problem, reference);
     }
   return s;

@@ -31,11 +31,18 @@ struct EqualTime {
   double paths = 0, ms = 0; ///< a pixel; where one path a pixel took longer than the configuration, ms says how long
 };
 
+/// A pass over the runs that recorded it: of their medians.
+struct PassSummary {
+  std::string name, where;
+  Spread ms;
+};
+
 struct ConfigurationSummary {
   size_t configuration = 0, problem = 0;
   int runs = 0, failed = 0;
   std::string failure;       ///< the first
   Spread frameMs, techniqueMs, prepareMs, workMs, totalMs;  ///< over runs; frameMs: of the runs' medians
+  std::vector<PassSummary> passes, workPasses;  ///< of a frame; of a unit of work
   double frames = 0;         ///< until the stop rule
   double deviceBytes = 0, techniqueBytes = 0;
   std::vector<ErrorSummary> errors;
@@ -80,6 +87,11 @@ struct Summary {
 
 /// Reads the pictures that bias and variance need from the folder; where one is missing, a configuration has none.
 Summary summarise(const SweepResults&);
+
+/// Over runs, in ms or bytes.
+Spread costOf(const ConfigurationSummary&, FrontAxis, int amortiseFrames);
+/// The front of any metric that the runs measured, of indirect light over the whole picture. Configurations without that error have no point.
+Front frontOf(const SweepResults&, const Summary&, size_t problem, FrontAxis, const std::string& reference, const std::string& metric);
 
 /// Smaller is better: the metric's value; its size for bias; for what grows with likeness what it lacks of perfect, or its negative where that is infinite.
 double badness(const std::string& metric, double value);

@@ -52,6 +52,8 @@ fs::path recordFile(const fs::path& folder, const std::string& key) { return fol
 
 }  // namespace
 
+std::string referenceProblem(const Preset& preset) { return presetHash(problemOf(preset)) + preset.technique; }
+
 size_t SweepResults::done() const {
   return static_cast<size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& r) { return r.has_value(); }));
 }
@@ -183,7 +185,7 @@ void Sweep::traceReferences(Session& session, Progress& p) {
   for (size_t i = 0; i < results_.plan.size(); ++i) {
     if (results_.runs[i]) continue;
     const Preset& preset = results_.plan[i].preset;
-    if (!traced.insert(presetHash(problemOf(preset)) + preset.technique).second) continue;
+    if (!traced.insert(referenceProblem(preset)).second) continue;
     report(fmt::format("reference of {}", problemLabel(preset)));
     session.setReferenceWanted(false);
     session.load(preset, &p);  // bad input ends the sweep here, before the first run

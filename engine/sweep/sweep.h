@@ -101,6 +101,8 @@ SweepResults openSweep(const std::filesystem::path& folder);
 RunRecord measureRun(Session&, const Experiment&, const PlannedRun&, const std::filesystem::path& variancePicture, const std::filesystem::path& picture,
                      Progress&, RunResults& results);
 
+/// The same for presets that are measured against the same references: their problem, and the technique, whose light paths the matched one follows.
+std::string referenceProblem(const Preset&);
 /// Problems of an experiment's configurations.
 std::vector<SweepProblem> problemsOf(const std::vector<Configuration>&);
 /// Those that the folder holds for the runs as they are.

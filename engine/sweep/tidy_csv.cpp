@@ -2,25 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "engine/core/csv.h"
 #include "engine/sweep/results_folder.h"
 
 namespace hl {
 namespace {
-
-/// What a spreadsheet would take for two cells stands in quotes.
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out + '"';
-}
-
-std::string cell(double v) { return std::isfinite(v) ? fmt::format("{}", v) : ""; }
 
 /// The keys that any configuration varies.
 std::vector<std::string> axes(const SweepResults& r) {
@@ -37,14 +24,14 @@ std::string axisCells(const SweepResults& r, const std::vector<std::string>& key
     std::string value;
     for (const auto& [k, v] : r.configurations[configuration].values)
       if (k == key) value = v;
-    out += fmt::format(",{}", cell(value));
+    out += fmt::format(",{}", csvCell(value));
   }
   return out;
 }
 
 std::string errorCells(const ErrorValue& e) {
-  return fmt::format(",{},{},{},{},{},{},{},{}", cell(e.reference), cell(e.target), cell(e.component), cell(e.metric), cell(e.roi), cell(e.value),
-                     cell(e.noiseFloor), cell(e.standardError));
+  return fmt::format(",{},{},{},{},{},{},{},{}", csvCell(e.reference), csvCell(e.target), csvCell(e.component), csvCell(e.metric), csvCell(e.roi), csvCell(e.value),
+                     csvCell(e.noiseFloor), csvCell(e.standardError));
 }
 
 bool wanted(const Experiment& e, const ErrorValue& v) {
@@ -56,7 +43,7 @@ bool wanted(const Experiment& e, const ErrorValue& v) {
 std::string sweepCsv(const SweepResults& r) {
   const std::vector<std::string> keys = axes(r);
   std::string out = "kind,problem,configuration,technique";
-  for (const std::string& key : keys) out += fmt::format(",{}", cell(key));
+  for (const std::string& key : keys) out += fmt::format(",{}", csvCell(key));
   out += ",seed,repeat,reference,target,component,metric,roi,value,noise_floor,standard_error,frames,image_hash,device_bytes,technique_bytes,"
          "frame_ms,frame_p5_ms,frame_p95_ms,technique_ms,prepare_ms,work_ms,total_ms,failed,run\n";
   std::vector<size_t> problemAt(r.configurations.size());
@@ -66,13 +53,13 @@ std::string sweepCsv(const SweepResults& r) {
     if (!r.runs[i]) continue;
     const PlannedRun& p = r.plan[i];
     const RunRecord& run = *r.runs[i];
-    const std::string head = fmt::format("run,{},{},{}{},{},{}", cell(r.problems[problemAt[p.configuration]].label), p.configuration,
-                                         cell(p.preset.technique), axisCells(r, keys, p.configuration), p.seed, p.repeat);
+    const std::string head = fmt::format("run,{},{},{}{},{},{}", csvCell(r.problems[problemAt[p.configuration]].label), p.configuration,
+                                         csvCell(p.preset.technique), axisCells(r, keys, p.configuration), p.seed, p.repeat);
     // How many frames are shown while work goes on is the machine's pace, no result.
     const std::string frames = r.experiment.stop.kind == StopRule::Kind::Settled ? "" : fmt::format("{}", run.frames);
     const std::string tail = fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", frames, run.imageHash, run.deviceBytes, run.techniqueBytes,
-                                         cell(run.frameTime.medianMs), cell(run.frameTime.p5Ms), cell(run.frameTime.p95Ms), cell(run.techniqueMs),
-                                         cell(run.prepareMs), cell(run.workMs), cell(run.totalMs), cell(run.failed), p.key);
+                                         csvCell(run.frameTime.medianMs), csvCell(run.frameTime.p5Ms), csvCell(run.frameTime.p95Ms), csvCell(run.techniqueMs),
+                                         csvCell(run.prepareMs), csvCell(run.workMs), csvCell(run.totalMs), csvCell(run.failed), p.key);
     if (!run.failed.empty()) out += head + ",,,,,,,," + tail;
     if (run.failed.empty())
       for (const ErrorValue& e : run.errors)
@@ -82,8 +69,8 @@ std::string sweepCsv(const SweepResults& r) {
     for (const TracerPoint& point : run.points)
       for (const ErrorValue& e : point.errors)
         if (wanted(r.experiment, e))
-          out += fmt::format("path_tracer,{},,path_tracer{},{},0{},{},,,,,,,,,,{},,{}\n", cell(r.problems[run.problem].label),
-                             std::string(keys.size(), ','), run.seed, errorCells(e), point.paths, cell(point.ms), run.key);
+          out += fmt::format("path_tracer,{},,path_tracer{},{},0{},{},,,,,,,,,,{},,{}\n", csvCell(r.problems[run.problem].label),
+                             std::string(keys.size(), ','), run.seed, errorCells(e), point.paths, csvCell(point.ms), run.key);
   return out;
 }
 
@@ -95,8 +82,8 @@ std::string convergenceCsv(const SweepResults& r) {
     for (const ErrorAt& at : r.runs[i]->convergence)
       for (const ErrorValue& e : at.errors)
         if (wanted(r.experiment, e))
-          out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", p.configuration, cell(p.preset.technique), p.seed, p.repeat, at.frames, cell(at.ms),
-                             cell(e.reference), cell(e.metric), cell(e.value), cell(e.noiseFloor), cell(e.standardError));
+          out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", p.configuration, csvCell(p.preset.technique), p.seed, p.repeat, at.frames, csvCell(at.ms),
+                             csvCell(e.reference), csvCell(e.metric), csvCell(e.value), csvCell(e.noiseFloor), csvCell(e.standardError));
   }
   return out;
 }

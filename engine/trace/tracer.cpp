@@ -1,5 +1,7 @@
 #include "engine/trace/tracer.h"
 
+#include <algorithm>
+
 #include "engine/core/error.h"
 #include "engine/trace/backends.h"
 
@@ -38,10 +40,18 @@ std::vector<TracerListing> listTracers(const Device& device) {
   return {{"embree", true, ""}, {"bvh", true, ""}, {"pipeline", rays, rays ? "" : "this device has no ray tracing pipelines"}};
 }
 
+TracerFeatures tracerFeatures(const Device& device) {
+  const auto& features = device.info().features;  // the engine uses no queries: they are only listed
+  const auto queries = std::find_if(features.begin(), features.end(), [](const auto& f) { return f.first == "ray queries"; });
+  return {device.isCpu(), device.rayPipelines(), queries != features.end() && queries->second};
+}
+
+const char* automaticTracer(const TracerFeatures& f) { return f.cpu ? "embree" : f.rayPipelines && f.rayQueries ? "pipeline" : "bvh"; }
+
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device& device, ShaderLibrary&, const Scene& scene,
                                    const GpuScene& gpuScene, std::shared_ptr<EmbreeScene> embree, TaskPool& pool,
                                    Progress* progress) {
-  const std::string chosen = id == "auto" ? (device.isCpu() ? "embree" : device.rayPipelines() ? "pipeline" : "bvh") : id;
+  const std::string chosen = id == "auto" ? automaticTracer(tracerFeatures(device)) : id;
   if (chosen == "embree") {
     if (!embree) embree = std::make_shared<EmbreeScene>(scene, progress);
     return makeEmbreeTracer(std::move(embree), pool);

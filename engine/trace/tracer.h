@@ -39,7 +39,18 @@ struct TracerListing {
   std::string reason;  ///< why not
 };
 std::vector<TracerListing> listTracers(const Device&);
-/// `id` "auto": embree on a CPU device, else pipeline where there is one, else bvh. `embree` may be shared with the reference.
+
+/// What the rule for "auto" looks at.
+struct TracerFeatures {
+  bool cpu = false;           ///< the device is a processor
+  bool rayPipelines = false;  ///< VK_KHR_ray_tracing_pipeline
+  bool rayQueries = false;    ///< VK_KHR_ray_query: nothing here uses them, but drivers leave them out where a device has no units of its own for rays
+};
+TracerFeatures tracerFeatures(const Device&);
+/// Fixed, so that the same device always traces alike: embree on a processor; pipeline where the device reports pipelines and queries; else bvh. README.md says why.
+const char* automaticTracer(const TracerFeatures&);
+
+/// `id` "auto": automaticTracer(). `embree` may be shared with the reference.
 /// The tracer keeps handles of the GpuScene; the Scene has to outlive it where objects move. @throws Error(BadInput) for an unknown or unavailable id, with those that are.
 std::unique_ptr<Tracer> makeTracer(const std::string& id, Device&, ShaderLibrary&, const Scene&, const GpuScene&, std::shared_ptr<EmbreeScene> embree,
                                    TaskPool&, Progress* = nullptr);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/cli_process.h"
+#include "tests/cli/results_table.h"
 
 namespace hl::test {
 namespace {
@@ -13,33 +14,6 @@ using nlohmann::json;
 const std::string kExperiment = R"({"version": 1, "base": {"version": 1, "scene": "cornell_box", "resolution": [32, 24], "technique": "radiosity",
   "parameters": {"reference.samples": 64, "reference.direct_samples": 4, "direct.samples": 4, "direct.lumel_samples": 4, "radiosity.bounces": 3}},
   "permute": {"radiosity.samples": [16, 64], "lightmap.resolution": [32, 48]}, "seeds": [1, 2], "metrics": ["relmse", "bias"]})";
-
-/// The rows of the table that do not depend on how fast the machine was: runs, without the columns of times.
-std::vector<std::vector<std::string>> tableOf(const std::filesystem::path& file) {
-  std::vector<std::vector<std::string>> rows;
-  std::vector<bool> kept;
-  std::istringstream text(contentOf(file));
-  for (std::string line; std::getline(text, line);) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-      if (c == '"') quoted = !quoted;
-      if (c == ',' && !quoted)
-        cells.emplace_back();
-      else
-        cells.back() += c;
-    }
-    if (kept.empty())
-      for (const std::string& name : cells) kept.push_back(!name.ends_with("_ms"));
-    EXPECT_EQ(cells.size(), kept.size()) << line;
-    if (cells.front() == "path_tracer") continue;
-    std::vector<std::string> row;
-    for (size_t i = 0; i < cells.size(); ++i)
-      if (kept[i]) row.push_back(cells[i]);
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 size_t runsIn(const std::filesystem::path& folder) {
   std::error_code none;

@@ -3,7 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/core/archive.h"
+#include "engine/scene/scene_bundle.h"
 #include "tests/cli/cli_process.h"
+#include "tests/cli/results_table.h"
 
 namespace hl::test {
 namespace {
@@ -91,6 +94,67 @@ TEST_F(CliPack, WrongFilesAndPlacesAreNamed) {
   refused(runCli({"pack", "cornell_box", "--out", folder / "no/such/box.hlb"}), {"--out", "no folder"});
   refused(runCli({"pack", "cornel_box", "--out", bundle}), {"cornel_box", "cornell_box"});
   EXPECT_EQ(contentOf(bundle), whole) << "what was there stays";
+}
+
+// A compute node's whole errand: the bundle of an experiment, and nothing else.
+TEST_F(CliPack, AnExperimentsBundleGivesTheSameTableElsewhere) {
+  writeText(folder / "e.json", R"({"version": 1, "base": {"version": 1, "scene": "cornell_box", "resolution": [32, 24], "technique": "radiosity",
+    "parameters": {"reference.samples": 64, "reference.direct_samples": 4, "direct.samples": 4, "direct.lumel_samples": 4, "radiosity.bounces": 3}},
+    "permute": {"technique": ["radiosity", "none"], "radiosity.samples": [16, 64], "lightmap.resolution": 32, "resolution": [[32, 24], [24, 24]]},
+    "seeds": [1, 2], "metrics": ["relmse"], "path_tracer": false})");
+  for (const bool references : {false, true}) {
+    std::vector<std::string> arguments = {"pack", folder / "e.json", "--out", bundle, "--json"};
+    if (references) arguments.push_back("--references");
+    const CliResult packed = runCli(arguments);
+    ASSERT_EQ(packed.code, 0) << packed.err;
+    size_t scenes = 0, traced = 0, experiments = 0;
+    const json listing = json::parse(packed.out);
+    for (const json& part : listing.at("parts")) {
+      const std::string name = part.at("name");
+      scenes += name == "scene/cornell_box", experiments += name == "experiment", traced += name.starts_with("cache/references/");
+    }
+    EXPECT_EQ(scenes, 1u);
+    EXPECT_EQ(experiments, 1u);
+    EXPECT_EQ(traced, references ? 2u : 0u) << "one a resolution: all else shares them";
+    const CliResult there = runCli({"bench", bundle, "--out", folder / (references ? "there with" : "there")}, elsewhere());
+    ASSERT_EQ(there.code, 0) << there.err;
+  }
+  const CliResult here = runCli({"bench", folder / "e.json", "--out", folder / "here"});
+  ASSERT_EQ(here.code, 0) << here.err;
+  const auto table = tableOf(folder / "here/results.csv");
+  ASSERT_GT(table.size(), 12u);
+  EXPECT_EQ(tableOf(folder / "there/results.csv"), table);
+  EXPECT_EQ(tableOf(folder / "there with/results.csv"), table);
+
+  refused(runCli({"render", bundle}), {"box.hlb", "experiment", "bench"});
+  ASSERT_EQ(runCli({"pack", "cornell_box", "--out", folder / "preset.hlb"}).code, 0);
+  refused(runCli({"bench", folder / "preset.hlb", "--out", folder / "no"}), {"preset.hlb", "holds a preset", "render"});
+  writeText(folder / "cut.hlb", contentOf(bundle).substr(0, 5000));
+  refused(runCli({"bench", folder / "cut.hlb", "--out", folder / "no"}), {"cut.hlb", "cut off or damaged"});
+
+  // References that are whole as parts of the bundle, and are not what they say.
+  const Archive sound(bundle, kBundleKind);
+  std::string reference;
+  for (const std::string& part : sound.parts())
+    if (part.starts_with("cache/references/")) reference = part;
+  const std::string bytes = sound.read(reference);
+  std::string altered = bytes;
+  altered[altered.size() / 2] = static_cast<char>(altered[altered.size() / 2] ^ 1);
+  std::string otherKey = reference;
+  otherKey[std::string("cache/references/").size()] = otherKey[std::string("cache/references/").size()] == '0' ? '1' : '0';
+  const auto with = [&](const std::string& name, const std::string& content) {
+    ArchiveWriter w(kBundleKind, 1);
+    for (const char* part : {"experiment", "scene/cornell_box"}) w.add(part, sound.read(part));
+    w.add(name, content);
+    w.write(folder / "forged.hlb");
+    const std::vector<std::string> there = {"HALFLIGHT_CACHE=" + (folder / "third cache").string()};
+    return runCli({"bench", folder / "forged.hlb", "--out", folder / "no"}, there);
+  };
+  refused(with(reference, altered), {"forged.hlb", "checksum"});
+  refused(with(reference, bytes.substr(0, bytes.size() - 1)), {"forged.hlb", "receivers"});
+  refused(with(reference, "something else"), {"forged.hlb", "no reference of this version"});
+  refused(with(otherKey, bytes), {"forged.hlb", "is called"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "third cache/references"));
 }
 
 }  // namespace

@@ -263,6 +263,18 @@ TEST_F(SessionTest, FramesCarryTheImagesThatWereAskedFor) {
   for (const float v : frame->images.at("reference")->data) full += v;
   EXPECT_LT(matched, full);
   EXPECT_GT(matched, 0.5 * full);
+  // With what comes beside them, anyone finds the session's own errors.
+  int compared = 0;
+  for (const ErrorValue& e : session->measureErrors({"relmse"})) {
+    if (e.component == "indirect" && e.reference == "full") continue;  // its image was not asked for
+    const std::string truth = e.component == "indirect" ? "reference_matched_indirect" : e.reference == "matched" ? "reference_matched" : "reference";
+    if (!e.roi.empty()) continue;
+    const Image& shown = *frame->images.at(e.component == "indirect" ? "indirect_irradiance" : "final");
+    const double found = measure("relmse", shown, *frame->references.at(truth), *frame->surfaces).value;
+    EXPECT_NEAR(found, e.value, 1e-6 * e.value) << truth;  // the device composes the final picture, and rounds otherwise
+    ++compared;
+  }
+  EXPECT_EQ(compared, 3);
   // A reference's image is made once, as long as it stays the same.
   EXPECT_EQ(session->frame()->images.at("reference"), frame->images.at("reference"));
   session->setTechnique("none");

@@ -166,5 +166,53 @@ TEST(SessionThreadWithoutDevice, SaysSo) {
   EXPECT_TRUE(eventually([&] { return device.load(); }));
 }
 
+/// While a sweep measures, the thread rests: no frame, no edit; a turn lets in what waits, and one frame of it.
+TEST_F(SessionTest, AClosedGateHoldsFramesAndEdits) {
+  const auto gate = std::make_shared<SessionGate>();
+  Progress progress;
+  SessionThread thread(options(), gate);
+  std::atomic<int> frames = 0, applied = 0;
+  thread.setCallbacks([&] { ++frames; }, {});
+  thread.post([](Session& s) { s.load(smallPreset("cornell_box", "radiosity")); });
+  ASSERT_TRUE(eventually([&] { return frames > 0; }));
+  gate->close();
+  gate->waitUntilEmpty(progress);
+  const int before = frames;
+  gate->giveTurn(progress);  // nothing waits for one: frames of the bake alone are no reason
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(frames, before);
+  thread.post([&](Session& s) { ++applied, s.setSeed(9); });
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(applied, 0);
+  gate->giveTurn(progress);
+  EXPECT_EQ(applied, 1);
+  EXPECT_EQ(frames, before + 1);
+  EXPECT_EQ(thread.latest()->preset.seed, 9u);
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(frames, before + 1);
+  // Cancelled while someone is inside: it comes back, and the gate stays closed.
+  std::atomic<bool> inside = false, go = false;
+  thread.post([&](Session&) {
+    inside = true;
+    while (!go) std::this_thread::sleep_for(1ms);
+  });
+  std::thread sweep([&] {
+    try {
+      gate->giveTurn(progress);
+      ADD_FAILURE() << "not cancelled";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::Cancelled);
+    }
+  });
+  EXPECT_TRUE(eventually([&] { return inside.load(); }));
+  progress.cancel();
+  sweep.join();
+  EXPECT_TRUE(gate->closed());
+  go = true;
+  gate->open();
+  EXPECT_TRUE(eventually([&] { return frames > before + 3; }));
+  gate->close();  // and the thread ends nevertheless
+}
+
 }  // namespace
 }  // namespace hl::test

@@ -83,11 +83,14 @@ class FakeLink : public EngineLink {
   void setPaused(bool on) override { note(on ? "paused" : "running"); }
   std::shared_ptr<const FrameResult> latest() const override { return frame; }
   std::shared_ptr<const Progress> progress() const override { return work; }
+  SessionOptions sessionOptions() const override { return {}; }
+  std::shared_ptr<SessionGate> gate() const override { return gate_; }
 
   quint64 lastTicket = 0;
   std::shared_ptr<const FrameResult> saidFrame;  ///< of the last screenshot
 
  private:
+  std::shared_ptr<SessionGate> gate_ = std::make_shared<SessionGate>();
   void note(const std::string& text) { calls << QString::fromStdString(text); }
 };
 

@@ -4,6 +4,7 @@
 #include <QSignalSpy>
 #include <QTemporaryDir>
 #include <QTest>
+#include <limits>
 
 #include "engine/core/image_io.h"
 #include "engine/experiment/open_target.h"
@@ -36,7 +37,7 @@ class FigureTest : public QObject {
     frame->preset.seed = 42;
     frame->provenance.device = "a device";
     FigureSheet f;
-    f.images = {{"Radiosity", halves(vec3(0.1f), vec3(0.5f)), frame}, {"Reference", halves(vec3(0.2f), vec3(0.5f)), nullptr}};
+    f.images = {{"Radiosity", halves(vec3(0.1f), vec3(0.5f)), frame, {}}, {"Reference", halves(vec3(0.2f), vec3(0.5f)), nullptr, {}}};
     f.metrics = {"mse", "flip"};
     f.truth = f.images[1].image, f.truthName = "Reference";
     f.insets = {{"left", 0, 0.25f, 0.25f, 0.5f}, {"right", 0.75f, 0.25f, 0.25f, 0.5f}};
@@ -52,7 +53,7 @@ class FigureTest : public QObject {
     for (size_t count = 1; count <= 9; ++count) {
       FigureSheet f = sheet();
       f.images.resize(1);
-      while (f.images.size() < count) f.images.push_back({"more", halves(vec3(1), vec3(1), 30, 40), nullptr});
+      while (f.images.size() < count) f.images.push_back({"more", halves(vec3(1), vec3(1), 30, 40), nullptr, {}});
       const FigureLayout layout = layOut(f);
       QCOMPARE(layout.cells.size(), count);
       std::vector<QRectF> all;
@@ -91,6 +92,23 @@ class FigureTest : public QObject {
     const Preset inside = openTarget(path.toStdString());
     QCOMPARE(inside.seed, 42u);
     QVERIFY(readImage(path.toStdString()).metadata.at(kProvenanceAttribute).find("a device") != std::string::npos);
+  }
+
+  /// Over the pixels that see a surface, and free of the reference's variance, as the engine's are.
+  void metricsAreTheEngines() {
+    FigureSheet f = sheet();
+    auto truth = std::make_shared<ReferenceImage>(ReferenceImage{*f.truth, *halves(vec3(0.1f), vec3(0.4f)), *halves(vec3(0.3f), vec3(0.6f))});
+    auto surfaces = std::make_shared<Mask>(f.truth->pixels(), 0);
+    for (size_t i = 0; i < surfaces->size() / 2; ++i) (*surfaces)[i] = 1;
+    f.metrics = {"mse"};
+    f.images[0].context = {truth, surfaces};
+    const double mse = measure("mse", *f.images[0].image, *truth, *surfaces).value;
+    QVERIFY(mse != measure("mse", *f.images[0].image, ReferenceImage{*f.truth, {}, {}}).value);
+    QVERIFY2(figureMetrics(f)[0][0].contains(QString::number(mse, 'g', 3)), qPrintable(figureMetrics(f)[0][0]));
+    auto broken = std::make_shared<Image>(*f.images[0].image);
+    broken->data[0] = std::numeric_limits<float>::quiet_NaN();
+    f.images[0].image = broken;
+    QVERIFY2(figureMetrics(f)[0][0].contains("1 pixels are NaN or Inf"), qPrintable(figureMetrics(f)[0][0]));
   }
 
   void metricsAreThoseOfThePictures() {

@@ -1,4 +1,5 @@
 // The window stays responsive whatever the engine does: import, bake and reference, with someone at work on it meanwhile.
+#include <QDockWidget>
 #include <QJsonDocument>
 #include <QJsonObject>
 #include <QTemporaryDir>
@@ -19,6 +20,10 @@
 #include "ui/parameter_row.h"
 #include "ui/session_link.h"
 #include "ui/settings.h"
+#include "ui/sweep_dock.h"
+#include "ui/sweep_editor.h"
+#include "ui/sweep_results.h"
+#include "ui/sweep_table.h"
 #include "ui/technique_dock.h"
 #include "ui/viewport.h"
 
@@ -27,6 +32,7 @@ namespace {
 using namespace hl;
 using namespace hl::ui;
 
+const SessionOptions kOptions;        // as they come
 constexpr int kLongest = 240000;      // ms
 constexpr double kLimitMs = 50;
 // What waits for the engine waits for a frame, an import or a unit of the bake: hundreds of milliseconds. Painting has a bound of its own, for it waits for
@@ -136,7 +142,7 @@ class ResponsivenessTest : public QObject {
     p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.samples", "64"}, {"radiosity.bounces", "4"}, {"reference.samples", "8"}};
     const QString file = folder.filePath("experiment.json");
     savePreset(p, file.toStdString());
-    SessionLink link{SessionOptions{}};
+    SessionLink link{kOptions};
     MainWindow window(link, settings, file);
     window.show();
     QVERIFY(QTest::qWaitForWindowExposed(&window));
@@ -172,7 +178,7 @@ class ResponsivenessTest : public QObject {
     p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.samples", "32"}, {"radiosity.bounces", "2"}, {"reference.samples", "512"}};
     const QString file = folder.filePath("experiment.json");
     savePreset(p, file.toStdString());
-    SessionLink link{SessionOptions{}};
+    SessionLink link{kOptions};
     MainWindow window(link, settings, file);
     window.show();
     QVERIFY(QTest::qWaitForWindowExposed(&window));
@@ -211,6 +217,61 @@ class ResponsivenessTest : public QObject {
     stopAndJudge("Comparing", heartbeat);
   }
 
+  /// A sweep that bakes and measures, experiment after experiment, its table and plots in sight, while someone edits and sorts.
+  void sweepingLeavesTheWindowAlone() {
+    QTemporaryDir folder;
+    Settings settings(folder.filePath("settings.ini"));
+    Preset p;
+    p.width = 160, p.height = 90;
+    p.parameters = {{"lightmap.resolution", "64"}, {"radiosity.bounces", "3"}, {"reference.samples", "16"}, {"reference.direct_samples", "4"}};
+    const QString file = folder.filePath("base.json");
+    savePreset(p, file.toStdString());
+    SessionLink link{kOptions};
+    MainWindow window(link, settings, file);
+    window.show();
+    QVERIFY(QTest::qWaitForWindowExposed(&window));
+    QVERIFY(QTest::qWaitFor([&] { return link.latest() != nullptr; }, kLongest));
+    window.findChild<QDockWidget*>("sweepDock")->raise();
+    SweepPanel& dock = window.sweepPanel();
+    SweepDraft d;
+    d.base = p;
+    d.permute = {{{"radiosity.samples", "16, 32, 64, 128", false, "", "", 4, false}, {"lightmap.resolution", "32, 48", false, "", "", 4, false}}};
+    d.seeds = "1..3";
+    dock.editor().setDraft(d, "responsiveness");
+    size_t updates = 0, ended = 0;
+    connect(&dock.runner(), &SweepRunner::results, this, [&](int, const SharedSweep&) { ++updates; });
+    connect(&dock.runner(), &SweepRunner::finished, this, [&](int) { ++ended; });
+    int started = 0;
+    const auto start = [&] {
+      dock.editor().setFolder(folder.filePath(QStringLiteral("results %1").arg(++started)));
+      dock.editor().start();
+    };
+    Hands hands(window);
+    Heartbeat heartbeat;
+    start();
+    QVERIFY(QTest::qWaitFor([&] { return dock.runner().busy(); }, kLongest));
+    QTest::qWait(300);
+    Heartbeat* beats = &heartbeat;
+    ResponsivenessTest::start(heartbeat);
+    QTimer others;
+    int step = 0;
+    connect(&others, &QTimer::timeout, this, [&] {
+      ++step;
+      SweepResultsPanel& results = dock.results();
+      if (step % 5 == 0 && results.model().rowCount() > 0) results.model().sort(step / 5 % results.model().columnCount(), step % 2 ? Qt::AscendingOrder : Qt::DescendingOrder);
+      if (step % 7 == 0 && results.sweep()) results.openFolder(QString::fromStdString(results.sweep()->results.folder.string()));
+      if (step % 11 == 0) dock.editor().addAxis(step % 2 ? "radiosity.bounces" : "technique");
+      if (!dock.runner().busy() && started < 6) start();
+    });
+    others.start(170);
+    const auto enough = [&] { return beats->beats() >= kLeastBeats && hands.editedEverything() && updates > 3; };
+    QVERIFY(hands.workUntil(enough));
+    others.stop();
+    QVERIFY(!dock.runner().jobs().empty() && dock.runner().jobs().front().status.done > 3);
+    std::printf("%d sweeps begun, %zu ended; %zu runs of the first; %zu results shown\n", started, ended, dock.runner().jobs().front().status.done, updates);
+    stopAndJudge("Sweeping", heartbeat);
+  }
+
   /// 262 000 triangles and their textures: what keeps an engine busy, and what a window must not touch.
   void aLargeSceneLeavesTheWindowAlone() {
     if (qEnvironmentVariableIsEmpty("HALFLIGHT_SCENES")) QSKIP("HALFLIGHT_SCENES is not set: Sponza is not looked for");
@@ -225,7 +286,7 @@ class ResponsivenessTest : public QObject {
       p.parameters = {{"lightmap.resolution", "128"}, {"radiosity.samples", "16"}, {"radiosity.bounces", "2"}, {"direct.lumel_samples", "4"}, {"direct.samples", "4"}};
       const QString file = folder.filePath("experiment.json");
       savePreset(p, file.toStdString());
-      SessionLink link{SessionOptions{}};
+      SessionLink link{kOptions};
       MainWindow window(link, settings, file);
       window.show();
       QVERIFY(QTest::qWaitForWindowExposed(&window));

@@ -4,6 +4,7 @@
 #include "engine/core/files.h"
 #include "engine/experiment/bundle.h"
 #include "engine/experiment/open_target.h"
+#include "engine/reference/reference_state.h"
 #include "engine/scene/scene_file.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"
@@ -101,12 +102,15 @@ TEST_F(BundleTest, WhatIsWrongIsSaid) {
 TEST_F(BundleTest, ReferencesGoToTheCacheAndNothingGoesElsewhere) {
   std::filesystem::create_directories(file.parent_path());
   const std::filesystem::path reference = folder / "cache/references/0123456789abcdef0123456789abcdef_4.reference";
-  test::writeText(reference, "what a reference holds");
+  ReferenceState state(3, 2);
+  state.now = state.next = {4, 1};
+  storeReference("0123456789abcdef0123456789abcdef", state);
+  const std::string holds = readFile(reference);
   cached = {reference};
   write();
   std::filesystem::remove(reference);
   openBundle(file);
-  EXPECT_EQ(readFile(reference), "what a reference holds");
+  EXPECT_EQ(readFile(reference), holds);
   test::writeText(reference, "of this machine's own making");
   openBundle(file);
   EXPECT_EQ(readFile(reference), "of this machine's own making") << "what is there stays";

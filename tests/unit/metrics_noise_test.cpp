@@ -127,16 +127,47 @@ TEST(NoiseFloor, StandardErrorOfRelmse) {
   }
 }
 
+// The floor is the reference's variance over the same denominator, and the value is what it is off by over it, however noisy the reference is.
 TEST(NoiseFloor, RelmseAndItsFloorShareTheDenominator) {
+  constexpr float kSigma = 3 * kHalfSigma;
   Image value(kWidth, kHeight, 3);
-  for (float& x : value.data) x = kTruth + kOffset;
-  std::mt19937 random(1);
-  ReferenceImage reference = noisyReference(random, 3 * kHalfSigma);  // so much that denominators come from the neighbours
-  for (float& x : reference.mean.data) x = kTruth;                     // which have none
-  const double denominator = kTruth * kTruth * (1 + 0.01 * 0.01);
-  const MetricResult relmse = measure("relmse", value, reference), mse = measure("mse", value, reference);
-  EXPECT_NEAR(relmse.value * denominator, mse.value, 1e-5 * mse.noiseFloor);
-  EXPECT_NEAR(relmse.noiseFloor * denominator, mse.noiseFloor, 1e-5 * mse.noiseFloor);
+  for (float& x : value.data) x = 2 * kTruth;
+  const double denominator = kTruth * kTruth * (1 + 0.01 * 0.01), variance = kSigma * kSigma / 2;
+  Statistics values, floors;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    const MetricResult relmse = measure("relmse", value, noisyReference(random, kSigma));
+    values.add(relmse.value * denominator / (kTruth * kTruth)), floors.add(relmse.noiseFloor * denominator / variance);
+  }
+  std::printf("of what it should be: value %.4f +- %.4f, floor %.4f +- %.4f\n", values.mean(), values.errorOfMean(), floors.mean(), floors.errorOfMean());
+  EXPECT_NEAR(values.mean(), 1, 0.02 + 3 * values.errorOfMean());
+  EXPECT_NEAR(floors.mean(), 1, 0.1 + 3 * floors.errorOfMean());
+}
+
+// Two images are divided by the same: the value is a quadratic function of the image, whose second difference in one direction is the same about any image.
+TEST(Denominator, RestsOnTheReferenceAlone) {
+  std::mt19937 random(7);
+  const ReferenceImage reference = noisyReference(random, 3 * kHalfSigma);
+  const Image direction = noisy(0, 0.3f, random);
+  const double epsilon = measure("relmse", direction, reference).epsilon;
+  const auto secondDifference = [&](const Image& about) {
+    Image up = about, down = about;
+    for (size_t i = 0; i < about.data.size(); ++i) up.data[i] += direction.data[i], down.data[i] -= direction.data[i];
+    return measure("relmse", up, reference).value + measure("relmse", down, reference).value - 2 * measure("relmse", about, reference).value;
+  };
+  Image flat(kWidth, kHeight, 3), edges(kWidth, kHeight, 3);
+  for (float& x : flat.data) x = kTruth;
+  for (size_t i = 0; i < edges.data.size(); ++i) edges.data[i] = i / 21 % 2 ? 20 * kTruth : 0.01f;
+  const Image far = noisy(5 * kTruth, kTruth, random);
+  const double expected = secondDifference(flat);
+  EXPECT_GT(expected, 0);
+  EXPECT_GT(epsilon, 0);
+  EXPECT_NEAR(secondDifference(edges), expected, 1e-3 * expected);
+  EXPECT_NEAR(secondDifference(far), expected, 1e-3 * expected);
+  // And it is what stands below the mean of squares: the pixel's own noise at most a small share of it.
+  double squares = 0;
+  for (const float d : direction.data) squares += static_cast<double>(d * d) / static_cast<double>(direction.data.size());
+  EXPECT_NEAR(expected, 2 * squares / (kTruth * kTruth), 0.1 * expected);
 }
 
 TEST(NoiseFloor, FollowsTheMetricsUnit) {
@@ -241,6 +272,71 @@ TEST(Denominator, OfANoisyReferenceLeavesTheValueNearItsTruth) {
       EXPECT_GT(std::fabs(uncalmed.mean() - truth), 10 * std::fabs(values.mean() - truth)) << paths;
     }
   }
+}
+
+// A dark surface beside a bright one, wrong along the line where they meet: there neighbours mislead, unless it is known which of them lie on the same surface.
+TEST(Denominator, KeepsToThePixelsOwnSurface) {
+  constexpr int kLine = kWidth / 2;
+  constexpr float kBright = 2, kDark = 0.2f;
+  constexpr int kPaths = 16;  // so few that a dark pixel could be one by luck
+  ReferenceSurfaces surfaces{Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3), {}, {}};
+  Image value(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool bright = x < kLine;
+      // A floor that meets a wall: in the corner both have x = 0.
+      float *position = surfaces.position.pixel(x, y), *normal = surfaces.normal.pixel(x, y), *v = value.pixel(x, y);
+      const float along = static_cast<float>(x - kLine) + 0.5f;
+      position[0] = bright ? along : 0, position[1] = bright ? 0 : along, position[2] = static_cast<float>(y);
+      normal[bright ? 1 : 0] = bright ? 1.0f : -1.0f;
+      for (int c = 0; c < 3; ++c) v[c] = bright ? kBright : x == kLine ? 3 * kDark : kDark;
+    }
+  Statistics known, unknown;
+  double truth = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    ReferenceImage reference{Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3), Image(kWidth, kHeight, 3)}, exact = reference;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const float level = x < kLine ? kBright : kDark;
+          float &a = reference.halfA.pixel(x, y)[c], &b = reference.halfB.pixel(x, y)[c];
+          a = fewPaths(level, kPaths, random), b = fewPaths(level, kPaths, random);
+          reference.mean.pixel(x, y)[c] = (a + b) / 2, exact.mean.pixel(x, y)[c] = level;
+        }
+    truth = measure("relmse", value, {exact.mean, {}, {}}).value;
+    unknown.add(measure("relmse", value, reference).value);
+    reference.surfaces = std::make_shared<const ReferenceSurfaces>(surfaces);
+    known.add(measure("relmse", value, reference).value);
+  }
+  std::printf("truth %.4f, surfaces known %.4f +- %.4f, unknown %.4f +- %.4f\n", truth, known.mean(), known.errorOfMean(), unknown.mean(), unknown.errorOfMean());
+  EXPECT_NEAR(known.mean(), truth, 0.15 * truth + 3 * known.errorOfMean());
+  EXPECT_LT(unknown.mean(), 0.6 * truth);
+}
+
+// One dark pixel in a bright surface, as where another object covers it. It cannot be dark by luck: so it is believed long before the reference is certain of it.
+TEST(Denominator, BelievesAPixelThatCannotBeDarkByLuck) {
+  constexpr float kDark = 0.02f, kBright = 2;
+  Image value(kWidth, kHeight, 3);
+  for (float& x : value.data) x = kBright;
+  Statistics estimates;
+  double truth = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    ReferenceImage reference{value, value, value}, exact{value, {}, {}};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const float level = x % 8 == 4 && y % 8 == 4 ? kDark : kBright;
+          float &a = reference.halfA.pixel(x, y)[c], &b = reference.halfB.pixel(x, y)[c];
+          a = fewPaths(level, 1024, random), b = fewPaths(level, 1024, random);
+          reference.mean.pixel(x, y)[c] = (a + b) / 2, exact.mean.pixel(x, y)[c] = level;
+        }
+    truth = measure("relmse", value, exact).value;
+    estimates.add(measure("relmse", value, reference).value);
+  }
+  std::printf("truth %.2f, estimate %.2f +- %.2f\n", truth, estimates.mean(), estimates.errorOfMean());
+  EXPECT_NEAR(estimates.mean(), truth, 0.1 * truth + 3 * estimates.errorOfMean());
 }
 
 TEST(Denominator, OfAConvergedReferenceIsThePlainOne) {

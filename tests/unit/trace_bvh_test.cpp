@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/trace/bvh.h"
+#include "engine/trace/tracer.h"
 #include "tests/trace_scenes.h"
 
 namespace hl {
@@ -85,6 +86,15 @@ void checkTree(const Scene& scene, uint32_t leftOut = 0) {
   EXPECT_EQ(missing, leftOut);
   EXPECT_LE(walk.deepest, bvh.stackSize);
   EXPECT_GE(bvh.stackSize, 1u);
+}
+
+TEST(Tracer, AutomaticChoiceIsAFixedRule) {
+  for (const bool pipelines : {false, true})
+    for (const bool queries : {false, true}) EXPECT_STREQ(automaticTracer({true, pipelines, queries}), "embree") << "a processor, whatever its driver offers";
+  EXPECT_STREQ(automaticTracer({false, false, false}), "bvh");
+  EXPECT_STREQ(automaticTracer({false, false, true}), "bvh");
+  EXPECT_STREQ(automaticTracer({false, true, false}), "bvh") << "pipelines without queries: no units for rays";
+  EXPECT_STREQ(automaticTracer({false, true, true}), "pipeline");
 }
 
 TEST(Bvh, HoldsEveryTriangleOnceInTightBoxes) { checkTree(manyTriangles(20000)); }

@@ -66,7 +66,6 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
     triangles_ = device_.buffer("radiosity: triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
     device_.upload(triangles_, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
     rays_ = device_.buffer("radiosity: rays", unitRays * sizeof(shared::Ray), TexelFormat::RGBA32F);
-    device_.upload(rays_, std::vector<shared::Ray>(unitRays, {vec3(0.0f), 0.0f, vec3(0.0f), shared::kRayEnd}).data(), rays_.size());
     hits_ = device_.buffer("radiosity: hits", unitRays * sizeof(shared::Hit));
   }
   codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));

@@ -28,9 +28,7 @@ void main() {
   for (uint j = gl_LocalInvocationIndex; j < samples; j += gl_WorkGroupSize.x) {
     vec2 point = texelFetch(directions, int(j)).xy;
     vec2 d = turns ? turned(point, turn) : concentricDisc(shifted(point, shift));
-    // Their range, tMin and tMax, is the same for all and was written once.
-    uint r = gl_WorkGroupID.x * samples + j;
-    rays[r].origin = origin;
-    rays[r].direction = tangent * d.x + bitangent * d.y + p.geometricNormal * hemisphereHeight(d);
+    vec3 direction = tangent * d.x + bitangent * d.y + p.geometricNormal * hemisphereHeight(d);
+    rays[gl_WorkGroupID.x * samples + j] = Ray(origin, 0.0, direction, kRayEnd);
   }
 }

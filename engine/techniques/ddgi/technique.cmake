@@ -1,0 +1,1 @@
+set(TECHNIQUE_SOURCES ddgi.cpp lattice.cpp pick.cpp probes.cpp)

@@ -1,0 +1,122 @@
+#include "engine/techniques/surfels/cache.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/error.h"
+#include "shaders/shared/ray.h"
+
+namespace hl {
+namespace {
+
+constexpr uint64_t kDepthBytes = uint64_t{shared::kDepthSide} * shared::kDepthSide * sizeof(vec2);
+constexpr uint64_t kGuideBytes = uint64_t{shared::kGuideSide} * shared::kGuideSide * sizeof(float);
+
+void checkSize(const Device& device, const char* what, uint64_t bytes) {
+  if (bytes > device.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, std::string("surfels: ") + what + " take " + std::to_string(bytes) + " bytes, a buffer of this device holds " +
+                                       std::to_string(device.maxStorageBufferBytes()) + "; lower surfels.max_surfels");
+}
+
+}  // namespace
+
+SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& params)
+    : device_(gpu.device),
+      scene_(scene),
+      maxSurfels_(static_cast<uint32_t>(params.max_surfels)),
+      depthTest_(params.depth_test != 0),
+      guiding_(params.guiding != 0),
+      hitSurfaces_(gpu.device, scene.gpuScene, scene.directLight) {
+  const float share = params.sizing == kSizingWorld ? params.radius : params.radius_max;
+  const float diagonal = scene.gpuScene.diagonal > 0 ? scene.gpuScene.diagonal : 1.0f;
+  const GridPlan plan = planGrid(scene.scene.bounds, share * diagonal);
+  const uint64_t n = maxSurfels_;
+  checkSize(device_, "estimates", n * sizeof(shared::SurfelState));
+  checkSize(device_, "records", n * shared::kRecordTexels * sizeof(vec4));
+  if (depthTest_) checkSize(device_, "maps of distances", n * kDepthBytes);
+  if (guiding_) checkSize(device_, "guides", n * kGuideBytes);
+  if (n * shared::kRecordTexels > device_.maxTexelBufferElements())
+    throw Error(ErrorKind::TooLarge, "surfels: " + std::to_string(n) + " surfels are more than this device's texel buffers hold (" +
+                                       std::to_string(device_.maxTexelBufferElements() / shared::kRecordTexels) + "); lower surfels.max_surfels");
+  grid_ = std::make_unique<SurfelGrid>(device_, plan, maxSurfels_);
+  prefix_ = std::make_unique<PrefixSum>(device_, PrefixSum::kMost);
+  sites_ = device_.buffer("surfels: sites", n * sizeof(shared::Surfel));
+  states_ = device_.buffer("surfels: estimates", n * sizeof(shared::SurfelState));
+  records_ = device_.buffer("surfels: records", n * shared::kRecordTexels * sizeof(vec4), TexelFormat::RGBA32F);
+  depth_ = depthTest_ ? device_.buffer("surfels: distances", n * kDepthBytes) : device_.buffer("surfels: no distances", kDepthBytes);
+  guide_ = guiding_ ? device_.buffer("surfels: guides", n * kGuideBytes) : device_.buffer("surfels: no guides", kGuideBytes);
+  totals_ = device_.buffer("surfels: totals", sizeof(shared::SurfelTotals));
+  freeIds_ = device_.buffer("surfels: free numbers", n * sizeof(uint32_t));
+  claims_ = device_.buffer("surfels: claims", shared::kClaimSlots * sizeof(uint32_t));
+  shares_ = device_.buffer("surfels: shares", n * sizeof(uint32_t));
+  shareSums_ = device_.buffer("surfels: sums of shares", (n + 1) * sizeof(uint32_t));
+  recycleFlags_ = device_.buffer("surfels: recycled", n * sizeof(uint32_t));
+  recycleOrder_ = device_.buffer("surfels: order of recycled", (n + 1) * sizeof(uint32_t));
+  restart();
+}
+
+void SurfelCache::restart() {
+  frame_ = harvested_ = 0;
+  last_ = {};
+  sums_ = {};
+  raysCast_ = 0;
+  hitSurfaces_.resetCounters();
+}
+
+/// What the last frame left, once it has run.
+void SurfelCache::harvest() {
+  if (harvested_ == frame_) return;
+  shared::SurfelTotals t;
+  device_.download(totals_, &t, sizeof t);
+  if (t.stamp != frame_) return;  // recorded, and not run
+  harvested_ = frame_;
+  last_ = t;
+  for (size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(t.counters[i]);
+  raysCast_ += lastFrame_.rays;
+}
+
+/// Buffers by ray and by candidate grow by half, at least, and never shrink.
+void SurfelCache::reserve(uint32_t rays, uint32_t candidates) {
+  const auto grow = [&](Buffer& b, const char* name, uint64_t count, uint64_t each) {
+    if (b && b.size() >= count * each) return;
+    const uint64_t held = b ? b.size() / each : 0;
+    const uint64_t wanted = std::min(std::max(count, held + held / 2), std::max(count, device_.maxStorageBufferBytes() / each));
+    checkSize(device_, name, count * each);
+    b = device_.buffer(std::string("surfels: ") + name, std::max<uint64_t>(wanted, 64) * each);
+  };
+  grow(ray_.rays, "rays", rays, sizeof(shared::Ray));
+  grow(ray_.hits, "hits", rays, sizeof(shared::Hit));
+  grow(ray_.samples, "ray samples", rays, sizeof(shared::RaySample));
+  grow(ray_.arrivals, "arrivals", rays, sizeof(vec4));
+  grow(candidates_, "candidates", candidates, sizeof(shared::Candidate));
+  grow(placeFlags_, "accepted candidates", candidates, sizeof(uint32_t));
+  grow(placeOrder_, "order of candidates", uint64_t{candidates} + 1, sizeof(uint32_t));
+}
+
+shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsParams& params) const {
+  const GridPlan& plan = grid_->plan();
+  shared::SurfelFrame f{};
+  f.gridOrigin = plan.origin;
+  f.cellSize = plan.cellSize;
+  f.gridSize = plan.size;
+  f.cells = plan.cells();
+  f.eye = in.camera.position;
+  f.pixelAngle = 2 * std::tan(0.5f * in.camera.verticalFov) / static_cast<float>(in.gbuffer.height);
+  f.diagonal = scene_.gpuScene.diagonal;
+  f.radius = params.radius * f.diagonal;
+  f.radiusMax = params.radius_max * f.diagonal;
+  f.frame = frame_;
+  f.seed = in.seed;
+  f.lightChanged = in.lightsChanged ? 1 : 0;
+  f.surfels = last_.highWater;
+  f.maxSurfels = maxSurfels_;
+  const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
+  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * last_.alive), static_cast<long long>(most)));
+  f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
+  f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);
+  f.candidates = f.tiles + f.rays;
+  f.fill = static_cast<float>(last_.alive) / static_cast<float>(maxSurfels_);
+  return f;
+}
+
+}  // namespace hl

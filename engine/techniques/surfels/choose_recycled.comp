@@ -1,0 +1,31 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Which surfels go: those that nothing has looked at for long when memory runs low, and those that the others cover well enough.
+#define HL_SURFELS_LOOKUP
+#define HL_SURFELS_STATES
+#include "engine/techniques/surfels/cache.glsl"
+
+layout(local_size_x = 64) in;
+
+layout(scalar) writeonly buffer flags_block { uint flags[]; };
+
+bool goes(uint id, SurfelState s) {
+  Random random = randomInit(frame.seed ^ 0x0ec1c1edu, id, frame.frame);
+  const float luck = randomFloat(random);
+  if (luck >= surfels.recycle_chance) return false;
+  const vec4 place = texelFetch(records, int(kRecordTexels * id));
+  const uint idle = frame.frame - max(s.lastSeen, s.lastUsed);
+  // The farther from the eye, the sooner; at the scene's diagonal for certain.
+  if (frame.fill > surfels.recycle_fill && idle > uint(surfels.recycle_frames))
+    return luck < surfels.recycle_chance * min(1.0, 0.25 + distance(place.xyz, frame.eye) / frame.diagonal);
+  const vec3 normal = texelFetch(records, int(kRecordTexels * id + 1u)).xyz;
+  const Gathered g = gatherAt(place.xyz, normal);
+  return g.coverage - 1.0 > surfels.recycle_coverage;
+}
+
+void main() {
+  const uint id = gl_GlobalInvocationID.x;
+  if (id >= frame.surfels) return;
+  const SurfelState s = states[id];
+  flags[id] = s.priority != 0u && goes(id, s) ? 1u : 0u;
+}

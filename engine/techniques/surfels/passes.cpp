@@ -1,0 +1,214 @@
+// A frame of the cache, pass by pass.
+#include "engine/techniques/surfels/cache.h"
+
+namespace hl {
+
+void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const SurfelsParams& params, const GpuImage& result) {
+  harvest();
+  const shared::SurfelFrame f = frameOf(in, params);
+  reserve(f.rays, f.candidates);
+  recordClears(graph, f);
+  if (f.surfels > 0)
+    grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_, scene_.gpuScene.objectTransforms);
+  else
+    graph.skip("surfels: count cells", "there is no surfel yet");
+  if (f.rays > 0)
+    recordRays(graph, f, params);
+  else
+    graph.skip("surfels: cast rays", f.surfels == 0 ? "there is no surfel yet" : "ray_budget is 0");
+  if (f.surfels > 0) recordUpdate(graph, f, params);
+  recordGather(graph, f, params, in.gbuffer, result);
+  recordPlace(graph, f, params, in.gbuffer, result);
+  if (f.surfels > 0 && params.recycle != 0)
+    recordRecycle(graph, f, params);
+  else
+    graph.skip("surfels: recycle", params.recycle == 0 ? "switched off" : "there is no surfel yet");
+  graph.compute("surfels: end frame", "surfels/end_frame.comp")
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("placedOrder", placeOrder_, Access::Read)
+      .uniform("frame", f)
+      .dispatch(1);
+  lastFrame_ = f;
+  ++frame_;
+}
+
+void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f) {
+  graph.compute("surfels: begin frame", "surfels/begin_frame.comp").bind("totals", totals_, Access::ReadWrite).uniform("frame", f).dispatch(1);
+  graph.clear("surfels: clear claims", claims_, 0xffffffffu);
+  if (f.frame == 0) {
+    graph.clear("surfels: clear records", records_);
+    graph.clear("surfels: clear estimates", states_);
+    grid_->recordEmpty(graph);
+  }
+}
+
+ComputePass& SurfelCache::bindLookup(ComputePass& pass, const shared::SurfelFrame& f, const SurfelsParams& params) const {
+  return pass.bind("records", records_, Access::Read)
+      .bind("cellOffsets", grid_->offsets(), Access::Read)
+      .bind("cellEntries", grid_->entries(), Access::Read)
+      .bind("depthMoments", depth_, Access::Read)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .specialize("kDepthTest", depthTest_ ? 1 : 0);
+}
+
+void SurfelCache::recordRays(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
+  const float offset = scene_.direct.ray_offset * scene_.gpuScene.diagonal;
+  graph.compute("surfels: allot rays", "surfels/allot_rays.comp")
+      .bind("states", states_, Access::Read)
+      .bind("totals", totals_, Access::Read)
+      .bind("shares", shares_, Access::Write)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .dispatchThreads(f.surfels);
+  prefix_->record(graph, "surfels: sums of shares", shares_, shareSums_, f.surfels);
+  graph.compute("surfels: make rays", "surfels/make_rays.comp")
+      .bind("shareSums", shareSums_, Access::Read)
+      .bind("sites", sites_, Access::Read)
+      .bind("states", states_, Access::Read)
+      .bind("records", records_, Access::Read)
+      .bind("guideMaps", guide_, Access::Read)
+      .bind("rays", ray_.rays, Access::Write)
+      .bind("samples", ray_.samples, Access::Write)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .specialize("kGuiding", guiding_ ? 1 : 0)
+      .push(offset)
+      .dispatchThreads(f.rays);
+  scene_.tracer.record(graph, "surfels: cast rays", ray_.rays, ray_.hits, f.rays, Query::Closest);
+  HitSurfaces::Rays batch;
+  batch.rays = ray_.rays, batch.hits = ray_.hits;
+  batch.count = f.rays;
+  batch.offset = offset;
+  batch.seed = f.seed;
+  batch.sample = f.frame;
+  hitSurfaces_.record(graph, "surfels", batch);
+  ComputePass shade = graph.compute("surfels: shade hits", "surfels/shade_hits.comp");
+  bindLookup(shade, f, params)
+      .bind("states", states_, Access::ReadWrite)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("claims", claims_, Access::ReadWrite)
+      .bind("candidates", candidates_, Access::ReadWrite)
+      .bind("samples", ray_.samples, Access::Read)
+      .bind("hits", ray_.hits, Access::Read)
+      .bind("points", hitSurfaces_.points(), Access::Read)
+      .bind("albedo", hitSurfaces_.albedo(), Access::Read)
+      .bind("direct", hitSurfaces_.direct(), Access::Read)
+      .bind("arrivals", ray_.arrivals, Access::Write)
+      .dispatchThreads(f.rays);
+}
+
+void SurfelCache::recordUpdate(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
+  graph.compute("surfels: update estimate", "surfels/update_estimate.comp")
+      .bind("states", states_, Access::ReadWrite)
+      .bind("records", records_, Access::ReadWrite)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("guideMaps", guide_, Access::ReadWrite)
+      .bind("depthMoments", depth_, Access::ReadWrite)
+      .bind("shareSums", shareSums_, Access::Read)
+      .bind("samples", ray_.samples, Access::Read)
+      .bind("arrivals", ray_.arrivals, Access::Read)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .specialize("kDepthTest", depthTest_ ? 1 : 0)
+      .specialize("kGuiding", guiding_ ? 1 : 0)
+      .dispatchThreads(f.surfels);
+}
+
+void SurfelCache::recordGather(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params, const GBuffer& g, const GpuImage& result) {
+  const bool halves = params.gather == kGatherHalfResolution;
+  const int width = halves ? (g.width + 1) / 2 : g.width, height = halves ? (g.height + 1) / 2 : g.height;
+  const GpuImage target = halves ? graph.transient("surfels.half", {width, height, Format::RGBA32F}) : result;
+  ComputePass gather = graph.compute("surfels: gather", "surfels/gather.comp");
+  bindLookup(gather, f, params)
+      .bind("states", states_, Access::ReadWrite)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("position", g.position, Access::Read)
+      .bind("geometricNormal", g.geometricNormal, Access::Read)
+      .bind("result", target, Access::Write)
+      .specialize("kStep", halves ? 2 : 1)
+      .dispatchThreads(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+  if (!halves) {
+    graph.skip("surfels: upsample", "every pixel gathers");
+    return;
+  }
+  ComputePass upsample = graph.compute("surfels: upsample", "surfels/upsample.comp");
+  bindLookup(upsample, f, params)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("position", g.position, Access::Read)
+      .bind("geometricNormal", g.geometricNormal, Access::Read)
+      .bind("halved", target, Access::Read)
+      .bind("result", result, Access::Write)
+      .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
+}
+
+void SurfelCache::recordPlace(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params, const GBuffer& g, const GpuImage& result) {
+  graph.compute("surfels: find gaps", "surfels/find_gaps.comp")
+      .bind("claims", claims_, Access::ReadWrite)
+      .bind("candidates", candidates_, Access::ReadWrite)
+      .bind("position", g.position, Access::Read)
+      .bind("geometricNormal", g.geometricNormal, Access::Read)
+      .bind("ids", g.ids, Access::Read)
+      .bind("irradiance", result, Access::Read)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .dispatch(f.tilesX, f.tiles / f.tilesX);
+  graph.compute("surfels: accept", "surfels/accept.comp")
+      .bind("claims", claims_, Access::Read)
+      .bind("candidates", candidates_, Access::Read)
+      .bind("flags", placeFlags_, Access::Write)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .dispatchThreads(f.candidates);
+  prefix_->record(graph, "surfels: order of new ones", placeFlags_, placeOrder_, f.candidates);
+  graph.compute("surfels: place", "surfels/place.comp")
+      .bind("states", states_, Access::ReadWrite)
+      .bind("records", records_, Access::ReadWrite)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("candidates", candidates_, Access::Read)
+      .bind("flags", placeFlags_, Access::Read)
+      .bind("order", placeOrder_, Access::Read)
+      .bind("freeIds", freeIds_, Access::Read)
+      .bind("sites", sites_, Access::ReadWrite)
+      .bind("object_ids", scene_.gpuScene.objectIds, Access::Read)
+      .bind("object_transforms", scene_.gpuScene.objectTransforms, Access::Read)
+      .bind("depthMoments", depth_, Access::ReadWrite)
+      .bind("guideMaps", guide_, Access::ReadWrite)
+      .uniform("frame", f)
+      .uniform("surfels", params)
+      .specialize("kDepthTest", depthTest_ ? 1 : 0)
+      .specialize("kGuiding", guiding_ ? 1 : 0)
+      .dispatchThreads(f.candidates);
+}
+
+void SurfelCache::recordRecycle(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
+  ComputePass choose = graph.compute("surfels: choose recycled", "surfels/choose_recycled.comp");
+  bindLookup(choose, f, params).bind("states", states_, Access::Read).bind("flags", recycleFlags_, Access::Write).dispatchThreads(f.surfels);
+  prefix_->record(graph, "surfels: order of recycled", recycleFlags_, recycleOrder_, f.surfels);
+  graph.compute("surfels: recycle", "surfels/recycle.comp")
+      .bind("states", states_, Access::ReadWrite)
+      .bind("records", records_, Access::ReadWrite)
+      .bind("totals", totals_, Access::ReadWrite)
+      .bind("flags", recycleFlags_, Access::Read)
+      .bind("order", recycleOrder_, Access::Read)
+      .bind("placedOrder", placeOrder_, Access::Read)
+      .bind("freeIds", freeIds_, Access::ReadWrite)
+      .uniform("frame", f)
+      .dispatchThreads(f.surfels);
+}
+
+void SurfelCache::recordView(FrameGraph& graph, const FrameInputs& in, const SurfelsParams& params, const GpuImage& irradiance, const GpuImage& target,
+                             uint32_t what) {
+  ComputePass show = graph.compute("surfels: view", "surfels/show.comp");
+  bindLookup(show, lastFrame_, params)
+      .bind("states", states_, Access::Read)
+      .bind("sites", sites_, Access::Read)
+      .bind("position", in.gbuffer.position, Access::Read)
+      .bind("geometricNormal", in.gbuffer.geometricNormal, Access::Read)
+      .bind("irradiance", irradiance, Access::Read)
+      .bind("result", target, Access::Write)
+      .push(what)
+      .dispatchThreads(static_cast<uint32_t>(in.gbuffer.width), static_cast<uint32_t>(in.gbuffer.height));
+}
+
+}  // namespace hl

@@ -1,0 +1,151 @@
+// What strains the surfel cache: full memory, full cells, no rays, Inf, a camera that jumps; and that two runs agree to the bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "engine/scene/scene_file.h"
+#include "tests/surfels_harness.h"
+
+namespace hl::test {
+namespace {
+
+void small(SurfelsHarness& h) { h.set("surfels.max_surfels", "4096").set("surfels.radius_pixels", "3").set("surfels.place_chance", "1"); }
+
+bool finite(const Image& image) {
+  for (const float v : image.data)
+    if (!std::isfinite(v)) return false;
+  return true;
+}
+
+TEST(SurfelHardCase, TwoRunsAgreeToTheBitWhateverMoves) {
+  const Scene scene = loadScene("cornell_box");
+  std::vector<float> first;
+  for (const char* tracer : {"embree", "embree", "bvh"}) {
+    SurfelsHarness h(scene, tracer);
+    small(h);
+    h.set("surfels.guiding", "true").set("surfels.ray_budget", "2").set("surfels.recycle_chance", "0.5").set("surfels.recycle_coverage", "1.5").set("surfels.radius_max", "0.2");
+    h.rebuild();
+    Camera c = scene.cameras.front();
+    for (int i = 0; i < 24; ++i) {
+      c.position = c.position - vec3(0.01f, 0.005f, 0.06f);
+      h.frame(c);
+    }
+    EXPECT_GT(h.counter("recycled"), 0);
+    const Image image = h.irradiance();
+    ASSERT_TRUE(finite(image));
+    if (first.empty()) {
+      first = image.data;
+    } else if (std::string(tracer) == "embree") {
+      EXPECT_EQ(std::memcmp(first.data(), image.data.data(), first.size() * sizeof(float)), 0);
+    }
+  }
+}
+
+TEST(SurfelHardCase, FullMemoryPlacesNoMoreAndSaysSo) {
+  SurfelsHarness h(loadScene("cornell_box"));
+  small(h);
+  h.set("surfels.max_surfels", "1024").set("surfels.radius_pixels", "1");
+  h.width = h.height = 96;
+  h.rebuild();
+  for (int i = 0; i < 80; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_EQ(h.counter("surfels"), 1024);
+  EXPECT_GT(h.counter("max_surfels_reached"), 0);
+  EXPECT_TRUE(finite(h.irradiance()));
+}
+
+TEST(SurfelHardCase, FullCellsAreCutTheSameInEveryFrame) {
+  SurfelsHarness h(loadScene("furnace_box_050"));
+  small(h);
+  h.set("surfels.cell_limit", "8").set("surfels.radius_max", "0.2");
+  h.rebuild();
+  for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_GT(h.counter("cell_overflows"), 0);
+  h.set("surfels.ray_budget", "0").set("surfels.place_chance", "0").set("surfels.recycle", "false");
+  h.frame(h.scene.cameras.front());
+  const Image a = h.irradiance();
+  h.frame(h.scene.cameras.front());
+  const Image b = h.irradiance();
+  EXPECT_EQ(std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)), 0);
+  EXPECT_GT(h.mean(), 0);
+}
+
+TEST(SurfelHardCase, NoRaysKeepTheCacheAsItIs) {
+  SurfelsHarness h(loadScene("cornell_box"));
+  small(h);
+  h.set("surfels.ray_budget", "0");
+  h.rebuild();
+  for (int i = 0; i < 10; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_EQ(h.mean(), 0);
+  EXPECT_GT(h.counter("surfels"), 0);
+  EXPECT_EQ(h.counter("surfel_rays"), 0);
+  h.set("surfels.ray_budget", "1");
+  for (int i = 0; i < 10; ++i) h.frame(h.scene.cameras.front());
+  const double lit = h.mean();
+  EXPECT_GT(lit, 0);
+  EXPECT_GT(h.counter("surfel_rays"), 0);
+  h.set("surfels.ray_budget", "0").set("surfels.place_chance", "0").set("surfels.recycle", "false");
+  for (int i = 0; i < 5; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_NEAR(h.mean(), lit, 0.2 * lit);
+}
+
+TEST(SurfelHardCase, InfAndNanAreCountedAndNeverEnterAnEstimate) {
+  Scene scene = loadScene("point_light_cube");
+  SurfelsHarness h(scene);
+  small(h);
+  h.rebuild();
+  const Camera camera = scene.cameras.front();
+  for (int i = 0; i < 20; ++i) h.frame(camera);
+  const double before = h.mean();
+  ASSERT_GT(before, 0);
+  for (const float bad : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    h.scene.pointLights[0].intensity = vec3(bad);
+    h.lightsEdited();
+    for (int i = 0; i < 3; ++i) h.frame(camera);
+    EXPECT_TRUE(finite(h.irradiance()));
+  }
+  EXPECT_GT(h.counter("surfel_inf") + h.counter("surfel_nan"), 0);
+  const double counted = h.counter("surfel_inf") + h.counter("surfel_nan");
+  h.scene.pointLights[0].intensity = scene.pointLights[0].intensity;
+  h.lightsEdited();
+  for (int i = 0; i < 60; ++i) h.frame(camera);
+  EXPECT_EQ(h.counter("surfel_inf") + h.counter("surfel_nan"), counted);
+  EXPECT_TRUE(finite(h.irradiance()));
+  EXPECT_GT(h.mean(), 0.9 * before);
+}
+
+TEST(SurfelHardCase, AJumpingCameraFindsLightAtOnceWhereRaysHavePlacedSurfels) {
+  SurfelsHarness h(loadScene("furnace_box_080"));
+  small(h);
+  h.set("surfels.ray_budget", "4");
+  h.rebuild();
+  Camera away = h.scene.cameras.front(), back = away;
+  back.position = vec3(-0.2f, 1, -0.7f), back.target = vec3(0.1f, 0.9f, 1);
+  for (int i = 0; i < 80; ++i) h.frame(away);
+  const double settled = h.mean();
+  h.frame(back);
+  std::printf("jump: %.4f of the light at once, %.0f pixels without\n", h.mean() / settled, h.counter("uncovered_pixels"));
+  EXPECT_GT(h.mean(), 0.5 * settled);
+  for (int i = 0; i < 40; ++i) h.frame(back);
+  EXPECT_NEAR(h.mean() / settled, 1, 0.05);
+  EXPECT_EQ(h.counter("unlit_pixels"), 0);
+}
+
+TEST(SurfelHardCase, WithoutSurfelsAtHitsUnseenWallsLoseBouncesAndAreCounted) {
+  double light[2] = {0, 0}, uncovered[2] = {0, 0};
+  for (const bool spawn : {false, true}) {
+    SurfelsHarness h(loadScene("furnace_box_080"));
+    small(h);
+    h.set("surfels.spawn_at_hits", spawn ? "true" : "false").set("surfels.ray_budget", "4");
+    h.rebuild();
+    for (int i = 0; i < 80; ++i) h.frame(h.scene.cameras.front());
+    light[spawn] = h.mean(), uncovered[spawn] = h.counter("uncovered_hits_last_frame") / h.counter("surfels");
+  }
+  std::printf("unseen walls: %.3f of the light without surfels there, %.2f uncovered hits a surfel and frame; with them %.4f\n", light[0] / light[1], uncovered[0], uncovered[1]);
+  EXPECT_LT(light[0], 0.8 * light[1]);
+  EXPECT_GT(uncovered[0], 10 * uncovered[1]);
+}
+
+}  // namespace
+}  // namespace hl::test

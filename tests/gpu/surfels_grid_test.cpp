@@ -1,0 +1,116 @@
+// Prefix sums and the surfel grid against the host.
+#include <algorithm>
+#include <random>
+
+#include "engine/techniques/surfels/grid.h"
+#include "shaders/shared/scene_types.h"
+#include "tests/gpu_fixture.h"
+
+namespace hl::test {
+namespace {
+
+class SurfelsGrid : public GpuTest {};
+
+TEST_F(SurfelsGrid, PrefixSumsAreTheHosts) {
+  std::mt19937 random(7);
+  for (const uint32_t count : {1u, 2u, 255u, 1023u, 1024u, 1025u, 5000u, 300000u}) {
+    std::vector<uint32_t> values(count);
+    for (uint32_t& v : values) v = static_cast<uint32_t>(random() % 1000);
+    const PrefixSum prefix(*device, count);
+    const Buffer in = device->buffer("values", std::span<const uint32_t>(values));
+    const Buffer out = device->buffer("sums", (count + 1) * sizeof(uint32_t));
+    prefix.record(*graph, "sum", in, out, count);
+    graph->execute();
+    const std::vector<uint32_t> sums = download<uint32_t>(out);
+    uint32_t running = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+      ASSERT_EQ(sums[i], running) << "of " << count << " at " << i;
+      running += values[i];
+    }
+    ASSERT_EQ(sums[count], running) << count;
+  }
+}
+
+TEST_F(SurfelsGrid, TooManyValuesAreRefused) {
+  const PrefixSum prefix(*device, 100);
+  const Buffer in = device->buffer("values", 400), out = device->buffer("sums", 404);
+  EXPECT_THROW(prefix.record(*graph, "sum", in, out, 101), Error);
+  EXPECT_THROW(PrefixSum(*device, PrefixSum::kMost + 1), Error);
+}
+
+TEST_F(SurfelsGrid, PlanCoversTheBoundsWithinItsLimit) {
+  Bounds bounds;
+  bounds.extend(vec3(-1, 0, 2));
+  bounds.extend(vec3(3, 0.5f, 4));
+  for (const float edge : {2.0f, 0.1f, 1e-3f}) {
+    const GridPlan plan = planGrid(bounds, edge);
+    EXPECT_LE(plan.cells(), kMostCells);
+    EXPECT_GE(plan.cellSize, edge);
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_LE(plan.origin[a], bounds.min[a]);
+      EXPECT_GE(plan.origin[a] + plan.cellSize * static_cast<float>(plan.size[a]), bounds.max[a]);
+    }
+  }
+}
+
+/// Every point that a surfel lights lies in a cell that lists it, once, in rising order; the same list in every run.
+TEST_F(SurfelsGrid, ListsHoldEverySurfelThatReachesTheCell) {
+  constexpr uint32_t kCount = 1500;
+  Bounds bounds;
+  bounds.extend(vec3(0));
+  bounds.extend(vec3(1, 2, 1));
+  const GridPlan plan = planGrid(bounds, 0.11f);
+  SurfelsParams params;
+  params.sizing = kSizingWorld;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<shared::Surfel> sites(kCount);
+  std::vector<shared::SurfelState> states(kCount);
+  for (uint32_t i = 0; i < kCount; ++i) {
+    sites[i] = {vec3(unit(random), 2 * unit(random), unit(random)), 0, glm::normalize(vec3(unit(random) - 0.5f, unit(random) - 0.5f, unit(random) - 0.5f)), 0};
+    states[i] = {};
+    states[i].priority = i % 10 == 3 ? 0 : 1;  // some numbers are free
+  }
+  shared::SurfelFrame frame{};
+  frame.gridOrigin = plan.origin, frame.cellSize = plan.cellSize, frame.gridSize = plan.size, frame.cells = plan.cells();
+  frame.radius = 0.1f, frame.surfels = kCount;
+  const shared::ObjectTransform still{mat4(1.0f), mat4(1.0f), mat4(1.0f), 0, 0};
+  const Buffer transforms = device->buffer("transforms", sizeof still);
+  device->upload(transforms, &still, sizeof still);
+  std::vector<uint32_t> first;
+  for (int run = 0; run < 2; ++run) {
+    SurfelGrid grid(*device, plan, 2048);
+    const PrefixSum prefix(*device, plan.cells());
+    const Buffer site = device->buffer("sites", std::span<const shared::Surfel>(sites));
+    const Buffer state = device->buffer("states", std::span<const shared::SurfelState>(states));
+    const Buffer records = device->buffer("records", kCount * shared::kRecordTexels * sizeof(vec4));
+    const Buffer totals = device->buffer("totals", sizeof(shared::SurfelTotals));
+    graph->clear("clear totals", totals);
+    graph->clear("clear records", records);
+    grid.recordEmpty(*graph);
+    for (int frames = 0; frames < 2; ++frames) grid.record(*graph, prefix, frame, params, site, state, records, totals, transforms);
+    graph->execute();
+    const std::vector<uint32_t> offsets = download<uint32_t>(grid.offsets());
+    std::vector<uint32_t> entries = download<uint32_t>(grid.entries());
+    entries.resize(offsets.back());
+    ASSERT_LE(offsets.back(), kCount * kMostCellsOfSurfel);
+    for (uint32_t c = 0; c < plan.cells(); ++c)
+      for (uint32_t e = offsets[c]; e + 1 < offsets[c + 1]; ++e) ASSERT_LT(entries[e], entries[e + 1]) << "cell " << c;
+    for (int i = 0; i < 20000; ++i) {
+      const auto id = static_cast<uint32_t>(random() % kCount);
+      const vec3 to = frame.radius * vec3(2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1);
+      const vec3 p = sites[id].position + to;
+      if (glm::any(glm::lessThan(p, bounds.min)) || glm::any(glm::greaterThan(p, bounds.max))) continue;
+      if (shared::surfelDistance2(to, sites[id].normal, frame.radius, params.normal_squash) >= 1) continue;
+      const uvec3 c((p - plan.origin) / plan.cellSize);
+      const uint32_t cell = (c.z * plan.size.y + c.y) * plan.size.x + c.x;
+      const bool listed = std::binary_search(entries.begin() + offsets[cell], entries.begin() + offsets[cell + 1], id);
+      ASSERT_EQ(listed, states[id].priority != 0) << "surfel " << id;
+    }
+    if (run == 0) first = entries;
+    EXPECT_EQ(entries, first);
+  }
+}
+
+}  // namespace
+}  // namespace hl::test
