@@ -52,6 +52,7 @@ QColor ConvergencePlot::colourOf(size_t configuration) const {
 }
 
 void ConvergencePlot::draw() {
+  plot_->legend->setWrap(kLegendColumns);  // before its entries, which it would not move
   const SweepResults& r = view_->results;
   curves_ = convergenceCurves(r, choice_.problem, choice_.reference, choice_.metric);
   lines_.clear();
@@ -92,7 +93,7 @@ void ConvergencePlot::draw() {
 
   std::vector<size_t> inLegend;
   bool others = false;
-  floor_ = 0;
+  std::vector<double> floors;
   for (const bool second : {false, true})  // those with a name over the others
     for (const ConvergenceCurve& c : curves_) {
       const bool named = std::find(named_.begin(), named_.end(), c.configuration) != named_.end();
@@ -113,11 +114,13 @@ void ConvergencePlot::draw() {
         g->setName(tr("those off the front"));
         g->addToLegend();
       }
-      if (!c.noiseFloors.empty() && c.noiseFloors.back() > 0) floor_ = std::max(floor_, c.noiseFloors.back());
+      for (const double f : c.noiseFloors)
+        if (f > 0) floors.push_back(f);
       for (size_t i = 0; i < keys.size(); ++i)
         marks_.push_back({c.configuration, keys[i], c.errors[i],
                           tr("%1, seed %2\n%3 ms, %4 frames\n%5 %6").arg(labelOf(c.configuration)).arg(c.seed).arg(c.ms[i], 0, 'g', 4).arg(c.frames[i]).arg(QString::fromStdString(choice_.metric)).arg(c.errors[i], 0, 'g', 4)});
     }
+  floor_ = spreadOf(floors).median;
   if (logarithmic_ && floor_ > 0) {
     QCPGraph* g = plot_->addGraph();
     g->setName(tr("noise floor of the reference"));
@@ -127,7 +130,6 @@ void ConvergencePlot::draw() {
     g->setData({first, last}, {floor_, floor_}, true);
     g->addToLegend();
   }
-  plot_->legend->setWrap(kLegendColumns);
   QStringList notes;
   if (!byTime && r.experiment.stop.kind == StopRule::Kind::Settled) notes << tr("Frames shown while work goes on are the machine's pace.");
   if (left) notes << tr("Left out, not above 0: %1 values.").arg(left);

@@ -70,7 +70,7 @@ def cost(rows):
 def label(rows):
     """What was varied, of a configuration's first row."""
     first = rows.iloc[0]
-    return ", ".join([first["technique"]] + [f"{key.split('.')[-1]} {first[key]}" for key in AXES if pd.notna(first[key])])
+    return ", ".join([first["technique"]] + [f"{key.split('.')[-1]} {str(first[key]).removesuffix('.0')}" for key in AXES if pd.notna(first[key])])
 )py";
 
 constexpr const char* kSelect = R"py(def select(table):
@@ -91,6 +91,7 @@ points = pd.DataFrame(points).sort_values("cost")
 points["front"] = [not (((points["cost"] <= p.cost) & (points["error"] <= p.error)) & ((points["cost"] < p.cost) | (points["error"] < p.error))).any() for p in points.itertuples()]
 tracer = chosen[chosen["kind"] == "path_tracer"].groupby("frames").agg(cost=("total_ms", "median"), error=("value", "mean"))
 tracer["error"] = badness(METRIC, tracer["error"])
+tracer = tracer.sort_values("cost")
 points)py";
 
 constexpr const char* kSpeed = R"py(fig, ax = plt.subplots(figsize=(8, 5))
@@ -114,7 +115,7 @@ history["error"] = badness(METRIC, history["value"])
 fig, axes = plt.subplots(1, 2, figsize=(12, 5), sharey=True)
 for (configuration, seed, repeat), rows in history.groupby(["configuration", "seed", "repeat"]):
     for ax, over in zip(axes, ["ms", "frames"]):
-        rows = rows.sort_values(over)
+        rows = rows[(rows["error"] > 0) | (METRIC == "psnr")].sort_values(over)  # the others have no place on a logarithmic axis
         ax.plot(rows[over], rows["error"], marker=".", color=f"C{int(configuration) % 10}", label=names[configuration] if seed == history["seed"].min() and repeat == 0 and len(names) <= 10 else None)
 for ax, over in zip(axes, ["ms", "frames"]):
     ax.set_xscale("log")
@@ -131,6 +132,7 @@ constexpr const char* kPasses = R"py(for name in PASS_TABLES:
     ax = table.plot.barh(stacked=True, figsize=(9, 1.5 + 0.35 * len(table)), colormap="tab20")
     ax.set_yticklabels([label for _, label in table.index])
     ax.invert_yaxis()
+    ax.set_ylabel("")
     ax.set_xlabel(f"ms of a {'frame' if passes['during'].iloc[0] == 'frame' else 'unit of work'}")
     ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1, 1))
     plt.show())py";
