@@ -129,7 +129,9 @@ void drawNothing(QCustomPlot& plot, const QString& why) {
   for (QCPAxis* axis : {plot.xAxis, plot.yAxis}) axis->setVisible(false), axis->grid()->setVisible(false);
   auto* text = new QCPItemText(&plot);
   text->setPositionAlignment(Qt::AlignCenter);
-  text->position->setType(QCPItemPosition::ptAxisRectRatio);
+  // Of the whole plot: without axes and legend the rectangle of the axes is no measure.
+  text->setClipToAxisRect(false);
+  text->position->setType(QCPItemPosition::ptViewportRatio);
   text->position->setCoords(0.5, 0.5);
   text->setColor(plot.xAxis->labelColor());
   text->setFont(plot.font());
