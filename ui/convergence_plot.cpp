@@ -52,6 +52,7 @@ QColor ConvergencePlot::colourOf(size_t configuration) const {
 }
 
 void ConvergencePlot::draw() {
+  plot_->legend->setWrap(kLegendColumns);  // before its entries, which it would not move
   const SweepResults& r = view_->results;
   curves_ = convergenceCurves(r, choice_.problem, choice_.reference, choice_.metric);
   lines_.clear();
@@ -129,7 +130,6 @@ void ConvergencePlot::draw() {
     g->setData({first, last}, {floor_, floor_}, true);
     g->addToLegend();
   }
-  plot_->legend->setWrap(kLegendColumns);
   QStringList notes;
   if (!byTime && r.experiment.stop.kind == StopRule::Kind::Settled) notes << tr("Frames shown while work goes on are the machine's pace.");
   if (left) notes << tr("Left out, not above 0: %1 values.").arg(left);

@@ -48,6 +48,7 @@ double PassStackPlot::timeOf(size_t configuration, const std::string& pass) cons
 }
 
 void PassStackPlot::draw() {
+  plot_->legend->setWrap(kLegendColumns);  // before its entries, which it would not move
   const SweepResults& r = view_->results;
   rows_.clear(), order_.clear(), segments_.clear();
   top_ = 0;
@@ -98,7 +99,6 @@ void PassStackPlot::draw() {
     bars->addToLegend();
   }
   top_ = *std::max_element(ends.begin(), ends.end());
-  plot_->legend->setWrap(kLegendColumns);
   if (const size_t missing = r.plan.size() - r.done()) note_ = tr("%1 of %2 runs are missing.").arg(missing).arg(r.plan.size());
 }
 

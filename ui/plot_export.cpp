@@ -13,6 +13,7 @@
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "ui/background.h"
+#include "ui/plot_style.h"
 
 namespace hl::ui {
 namespace {
@@ -42,6 +43,7 @@ class PrintColours {
 
 QByteArray plotPng(QCustomPlot& plot, QWidget& owner, QSize size, const QMap<QString, QString>& texts) {
   const PrintColours print(owner);
+  settleLayout(plot, size);
   QImage image = plot.toPixmap(size.width(), size.height(), kPlotPngScale).toImage().convertToFormat(QImage::Format_RGB888);
   for (auto it = texts.begin(); it != texts.end(); ++it) image.setText(it.key(), it.value());
   QByteArray bytes;
@@ -67,6 +69,7 @@ QByteArray plotPdf(QCustomPlot& plot, QWidget& owner, QSize size, const QString&
     QCPPainter painter(&writer);
     if (!painter.isActive()) throw Error(ErrorKind::Run, "the plot's PDF could not be made");
     painter.setMode(QCPPainter::pmVectorized);
+    settleLayout(plot, size);
     plot.toPainter(&painter, size.width(), size.height());
   }
   return bytes;

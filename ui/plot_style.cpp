@@ -129,13 +129,23 @@ void drawNothing(QCustomPlot& plot, const QString& why) {
   for (QCPAxis* axis : {plot.xAxis, plot.yAxis}) axis->setVisible(false), axis->grid()->setVisible(false);
   auto* text = new QCPItemText(&plot);
   text->setPositionAlignment(Qt::AlignCenter);
-  // Of the whole plot: without axes and legend the rectangle of the axes is no measure.
+  // Of the whole plot: axes that are hidden may have no room of their own.
   text->setClipToAxisRect(false);
   text->position->setType(QCPItemPosition::ptViewportRatio);
   text->position->setCoords(0.5, 0.5);
   text->setColor(plot.xAxis->labelColor());
   text->setFont(plot.font());
   text->setText(why);
+}
+
+void settleLayout(QCustomPlot& plot, QSize size) {
+  constexpr int kPasses = 3;  // as many as there are parts above one another
+  if (size.isEmpty()) return;
+  const QRect before = plot.viewport();
+  plot.setViewport(QRect(QPoint(0, 0), size));
+  for (int pass = 0; pass < kPasses; ++pass)
+    for (const auto phase : {QCPLayoutElement::upPreparation, QCPLayoutElement::upMargins, QCPLayoutElement::upLayout}) plot.plotLayout()->update(phase);
+  plot.setViewport(before);
 }
 
 }  // namespace hl::ui

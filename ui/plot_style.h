@@ -1,5 +1,6 @@
 #pragma once
 // Plots in the window's own colours and font.
+#include <QSize>
 #include <QString>
 #include <vector>
 
@@ -21,5 +22,8 @@ std::vector<double> roundNumbers(double lower, double upper, bool logarithmic);
 void setRangeWithRoom(QCPAxis&, double lower, double upper);
 /// Writes in the middle of the plot, in place of axes that would be empty.
 void drawNothing(QCustomPlot&, const QString& why);
+/// Lays the plot out for a picture of `size`. The parts of a layout follow one another (the legend's height, the room left, the margins, what is clipped to
+/// them), so that one pass, which is all that drawing makes, leaves some a step behind.
+void settleLayout(QCustomPlot&, QSize size);
 
 }  // namespace hl::ui

@@ -73,6 +73,7 @@ double SpeedErrorPlot::plotted(const CostPoint& p) const {
 bool SpeedErrorPlot::has(const CostPoint& p) const { return p.cost > 0 && std::isfinite(p.cost) && std::isfinite(plotted(p)); }
 
 void SpeedErrorPlot::draw() {
+  plot_->legend->setWrap(kLegendColumns);  // before its entries, which it would not move
   const SweepResults& r = view_->results;
   logarithmic_ = isLogarithmic(choice_.metric);
   front_ = frontOf(r, view_->summary, choice_.problem, choice_.cost, choice_.reference, choice_.metric);
@@ -106,7 +107,6 @@ void SpeedErrorPlot::draw() {
     if (best) best->addToLegend();
   }
   drawLegendOfPlaces();
-  plot_->legend->setWrap(kLegendColumns);
   std::sort(marks_.begin(), marks_.end(), [](const PlotMark& a, const PlotMark& b) { return a.x < b.x; });
   makeNote();
 }

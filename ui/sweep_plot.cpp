@@ -108,6 +108,7 @@ void SweepPlot::drawNow() {
     if (!zoomed_) showEverything();
     highlight();
   }
+  settleLayout(*plot_, plot_->viewport().size());
   plot_->replot(QCustomPlot::rpQueuedReplot);
 }
 

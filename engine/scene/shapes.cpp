@@ -254,7 +254,9 @@ void arch(Builder& b, const Shape& s, uint32_t material) {
 
 void cloth(Builder& b, const Shape& s, uint32_t material) {
   const int n = s.subdivisions;
-  const vec3 normal = glm::normalize(glm::cross(s.corners[2] - s.corners[0], s.corners[3] - s.corners[1]));
+  const vec3 doubled = glm::cross(s.corners[2] - s.corners[0], s.corners[3] - s.corners[1]);
+  const auto unit = [](vec3 v) { return glm::length(v) > 0 ? glm::normalize(v) : vec3(0, 1, 0); };  // corners in one place or in a line
+  const vec3 normal = unit(doubled);
   const auto at = [&](float u, float v) {
     const vec3 flat = glm::mix(glm::mix(s.corners[0], s.corners[1], u), glm::mix(s.corners[3], s.corners[2], u), v);
     // Folds are shallow where the cloth hangs from its second edge, and the lower they are the deeper, each a little unlike the next.
@@ -267,7 +269,7 @@ void cloth(Builder& b, const Shape& s, uint32_t material) {
     for (int i = 0; i <= n; ++i) {
       const float u = static_cast<float>(i) / static_cast<float>(n), v = static_cast<float>(j) / static_cast<float>(n);
       const vec3 across = glm::cross(at(u + h, v) - at(u - h, v), at(u, v + h) - at(u, v - h));
-      ids.push_back(b.vertex(at(u, v), glm::normalize(across), vec2(u, v)));
+      ids.push_back(b.vertex(at(u, v), unit(across), vec2(u, v)));
     }
   const auto id = [&](int i, int j) { return ids[static_cast<size_t>(j * (n + 1) + i)]; };
   for (int j = 0; j < n; ++j)

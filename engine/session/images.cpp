@@ -72,11 +72,13 @@ ReferenceImage Session::Impl::referenceImage(const std::string& name) {
   const bool limited = name.rfind("reference_matched", 0) == 0;
   const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
   if (!run) throw badInput(fmt::format("image '{}': there is no {}reference yet", name, limited ? "matched " : ""));
-  if (name == "reference_direct") return run->result->directImage();
-  ReferenceImage irradiance = run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
-  if (name.ends_with("_indirect")) return irradiance;
+  const SurfaceImages surfaces = surfaceImages();
+  const bool onlyDirect = name == "reference_direct", composite = !onlyDirect && !name.ends_with("_indirect");
+  ReferenceImage image = onlyDirect ? run->result->directImage() : run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
   // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
-  return surfaceImages().composite(full.result->directImage(), irradiance);
+  if (composite) image = surfaces.composite(full.result->directImage(), image);
+  image.surfaces = surfaces.ofReference(composite);
+  return image;
 }
 
 Image Session::Impl::linearImage(const std::string& name) {

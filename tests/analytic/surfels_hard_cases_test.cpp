@@ -25,7 +25,7 @@ TEST(SurfelHardCase, TwoRunsAgreeToTheBitWhateverMoves) {
   for (const char* tracer : {"embree", "embree", "bvh"}) {
     SurfelsHarness h(scene, tracer);
     small(h);
-    h.set("surfels.guiding", "true").set("surfels.ray_budget", "2").set("surfels.recycle_chance", "0.5").set("surfels.recycle_coverage", "1.5");
+    h.set("surfels.guiding", "true").set("surfels.ray_budget", "2").set("surfels.recycle_chance", "0.5").set("surfels.recycle_coverage", "1.5").set("surfels.radius_max", "0.2");
     h.rebuild();
     Camera c = scene.cameras.front();
     for (int i = 0; i < 24; ++i) {
@@ -129,7 +129,7 @@ TEST(SurfelHardCase, AJumpingCameraFindsLightAtOnceWhereRaysHavePlacedSurfels) {
   EXPECT_GT(h.mean(), 0.5 * settled);
   for (int i = 0; i < 40; ++i) h.frame(back);
   EXPECT_NEAR(h.mean() / settled, 1, 0.05);
-  EXPECT_EQ(h.counter("uncovered_pixels"), 0);
+  EXPECT_EQ(h.counter("unlit_pixels"), 0);
 }
 
 TEST(SurfelHardCase, WithoutSurfelsAtHitsUnseenWallsLoseBouncesAndAreCounted) {

@@ -14,6 +14,7 @@ namespace {
 TuneOptions options() {
   TuneOptions o;
   o.base.technique = "radiosity";
+  o.techniques = {"radiosity"};  // each technique has as many of its own
   o.base.parameters = {{"lightmap.dilation", "1"}};
   o.candidates = 12;
   return o;

@@ -38,11 +38,8 @@ HL_CONST uint kProbeUnneeded = 2u;  ///< no surface in any of the cells round it
 HL_CONST uint kFixedRays = 32u;
 /// From the lattice they start this much behind the probe [spacings], so that one that stands in a wall's very plane sees the wall.
 HL_CONST float kBacktrack = 0.01f;
-/// Back faces count as this much nearer, so that what lies in geometry is trusted little (Majercik et al. 2021).
-HL_CONST float kBackFaceDistanceShare = 0.2f;
-
 // Weights of a probe (Majercik et al. 2019, section 5.2; 2021).
-HL_CONST float kLeastTrilinear = 0.001f;   ///< so that there is always some weight
+HL_CONST float kLeastTrilinear = 0.01f;    ///< so that the one probe that sees a point counts however far along the cell it stands (0.001 in the source)
 HL_CONST float kFacingOffset = 0.2f;       ///< of ((cosine + 1) / 2)^2
 HL_CONST float kLeastWeight = 0.000001f;   ///< likewise, before crushing: the sum of weights of active probes is never 0
 HL_CONST float kCrushBelow = 0.2f;

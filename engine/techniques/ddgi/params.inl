@@ -35,7 +35,7 @@ PARAM_FLOAT(distance_exponent, 50, 1, 200, 5, 100, Log, Reset, "exponent", "Shar
 PARAM_FLOAT(normal_bias, 0.1, 0, 1, 0, 0.5, Linear, Reset, "spacings", "How far points move along their normal before they ask probes.")
 PARAM_FLOAT(view_bias, 0.2, 0, 1, 0, 0.5, Linear, Reset, "spacings", "How far points move towards the viewer, or the ray's origin, before they ask probes.")
 PARAM_BOOL(visibility, true, Reset, "Weighs a probe by the chance that it sees the point (Chebyshev's inequality on its map of distances).")
-PARAM_FLOAT(visibility_power, 3, 1, 16, 1, 10, Linear, Reset, "exponent",
+PARAM_FLOAT(visibility_power, 6, 1, 16, 1, 10, Linear, Reset, "exponent",
             "Of Chebyshev's bound. 3 is usual; more lets less through walls that a probe stands close behind.")
 PARAM_FLOAT(visibility_floor, 0, 0, 1, 0, 0.2, Linear, Reset, "share",
             "What visibility leaves of a weight at least. 0.05 is usual, and what leaks through walls.")

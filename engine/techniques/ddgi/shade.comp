@@ -23,7 +23,7 @@ vec4 returned(uint i) {
   const SurfacePoint p = points[i];
   if (p.flags == kHitNothing) return vec4(vec3(0.0), grid.farthest);
   const float away = min(hits[i].t, grid.farthest);
-  if (p.flags == kHitBackFace) return vec4(vec3(0.0), away * kBackFaceDistanceShare);
+  if (p.flags == kHitBackFace) return vec4(vec3(0.0), away);
   const vec4 d = direct[i];
   vec3 e = d.w > 0.0 ? d.xyz / d.w : vec3(0.0);
   if (ddgi.multi_bounce != 0) {
