@@ -147,8 +147,9 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   record.imageHash = results.imageHash = hashOfImage(session.image("final"));
   if (!variancePicture.empty()) writePicture(variancePicture, session.image("indirect_irradiance"), *made);
   if (!picture.empty()) writePicture(picture, session.image("final"), *made);
-  if (record.convergence.empty() || record.convergence.back().frames != record.frames)
-    record.convergence.push_back(pointOf(record.frames, record.totalMs, record.errors, metrics));
+  // Frames after the one that counts only add samples of direct light: the run's own point is the last.
+  while (!record.convergence.empty() && record.convergence.back().frames >= record.frames) record.convergence.pop_back();
+  record.convergence.push_back(pointOf(record.frames, record.totalMs, record.errors, metrics));
 
   const FramePointer timed = e.stop.kind == StopRule::Kind::Settled ? made : timeFrames(session, p);
   auto whole = std::make_shared<FrameResult>(*made);
