@@ -10,6 +10,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
+#include "engine/session/run_limit.h"
 #include "engine/sweep/sweep.h"
 
 namespace hl {
@@ -90,7 +91,7 @@ FramePointer runWithin(Session& session, const Experiment& e, const std::vector<
     return runUntilStop(session, e, metrics, record, inner);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::Cancelled || !limit.up() || p.cancelled()) throw;
-    throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms by the clock; the limit is {:.0f} ms", most, e.limitMs));
+    throw LimitError(fmt::format("ended after {:.0f} ms by the clock; the limit is {:.0f} ms", most, e.limitMs));
   }
 }
 
@@ -140,7 +141,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   record.provenance = made->provenance;
   results.frame = made;
   if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
-  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
+  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   record.errors = results.errors = session.measureErrors(metrics);
   record.surfacePixels = session.surfacePixels();
@@ -190,6 +191,7 @@ RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& ru
       session.setWorkPaused(false);
       throw;
     }
+    record.overLimit = dynamic_cast<const LimitError*>(&error) != nullptr;
     fail(error.what());
   } catch (const std::bad_alloc&) {
     fail("out of memory");
