@@ -63,6 +63,7 @@ SweepResultsPanel::SweepResultsPanel(PassPalette& palette, Settings& settings, Q
   halves_->addWidget(plots_);
   halves_->setStretchFactor(0, 2);
   halves_->setStretchFactor(1, 3);
+  halves_->setSizes({450, 550});
   column->addWidget(halves_, 1);
   connect(open, &QPushButton::clicked, this, [this] {
     auto* dialog = new QFileDialog(this, tr("Open results"), sweep_ ? fromStd(sweep_->results.folder.parent_path().string()) : QString());

@@ -10,6 +10,7 @@
 #include "engine/lightmap/inside.h"
 #include "engine/reference/receivers.h"
 #include "engine/reference/reference_state.h"
+#include "engine/session/run_limit.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -165,7 +166,7 @@ void Session::Impl::runWorkWithin(double limitMs, Progress& p) {
 
 void Session::Impl::checkLimit(double limitMs) const {
   const double used = prepareMs + (framesAreWork() ? msSinceReset : workMs);
-  if (limitMs > 0 && used >= limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", used, limitMs));
+  if (limitMs > 0 && used >= limitMs) throw LimitError(fmt::format("took {:.0f} ms and was not done; the limit is {:.0f} ms", used, limitMs));
 }
 
 bool Session::Impl::framesAreWork() const { return !held && !techniqueStale && technique->framesToSettle() > 0; }

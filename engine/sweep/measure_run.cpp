@@ -10,6 +10,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/image_io.h"
+#include "engine/session/run_limit.h"
 #include "engine/sweep/sweep.h"
 
 namespace hl {
@@ -90,7 +91,7 @@ FramePointer runWithin(Session& session, const Experiment& e, const std::vector<
     return runUntilStop(session, e, metrics, record, inner);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::Cancelled || !limit.up() || p.cancelled()) throw;
-    throw Error(ErrorKind::Run, fmt::format("ended after {:.0f} ms by the clock; the limit is {:.0f} ms", most, e.limitMs));
+    throw LimitError(fmt::format("ended after {:.0f} ms by the clock; the limit is {:.0f} ms", most, e.limitMs));
   }
 }
 
@@ -140,15 +141,16 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   record.provenance = made->provenance;
   results.frame = made;
   if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
-  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw Error(ErrorKind::Run, fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
+  if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   record.errors = results.errors = session.measureErrors(metrics);
   record.surfacePixels = session.surfacePixels();
   record.imageHash = results.imageHash = hashOfImage(session.image("final"));
   if (!variancePicture.empty()) writePicture(variancePicture, session.image("indirect_irradiance"), *made);
   if (!picture.empty()) writePicture(picture, session.image("final"), *made);
-  if (record.convergence.empty() || record.convergence.back().frames != record.frames)
-    record.convergence.push_back(pointOf(record.frames, record.totalMs, record.errors, metrics));
+  // Frames after the one that counts only add samples of direct light: the run's own point is the last.
+  while (!record.convergence.empty() && record.convergence.back().frames >= record.frames) record.convergence.pop_back();
+  record.convergence.push_back(pointOf(record.frames, record.totalMs, record.errors, metrics));
 
   const FramePointer timed = e.stop.kind == StopRule::Kind::Settled ? made : timeFrames(session, p);
   auto whole = std::make_shared<FrameResult>(*made);
@@ -189,6 +191,7 @@ RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& ru
       session.setWorkPaused(false);
       throw;
     }
+    record.overLimit = dynamic_cast<const LimitError*>(&error) != nullptr;
     fail(error.what());
   } catch (const std::bad_alloc&) {
     fail("out of memory");

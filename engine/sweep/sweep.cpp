@@ -245,7 +245,7 @@ void Sweep::run(Session& session, Progress& p) {
   r.hostThreads = session.hostThreads();
   try {
     for (auto& run : r.runs)
-      if (run && !run->failed.empty()) run.reset();  // the cause may be mended
+      if (run && !run->failed.empty() && !run->overLimit) run.reset();  // the cause may be mended
     session.load(r.plan.front().preset, &p);
     checkSameMachine(session);
     saveExperiment(r.experiment, r.folder / "experiment.json");

@@ -71,7 +71,7 @@ class Sweep {
   std::function<void(const SweepResults&, size_t run)> onRun;
 
   /// Makes what is missing, then the path tracer's runs, then the tables. A run that fails is recorded, and the others go on. Runs that failed in an
-  /// earlier call are tried again. Leaves the session with the last configuration loaded.
+  /// earlier call are tried again, those that took too long are not. Leaves the session with the last configuration loaded.
   /// @throws Error(BadInput) where the folder holds runs of another commit, device or tracer: they are not to be compared. Error(Cancelled) once what
   /// was done is written, tables included. Error(Device) where the device was lost.
   void run(Session&, Progress&);

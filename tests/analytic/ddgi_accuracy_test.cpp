@@ -12,8 +12,8 @@ TEST_F(SessionTest, CornellBoxIsWithinItsBounds) {
   Preset preset;
   preset.scene = "cornell_box";
   preset.technique = "ddgi";
-  preset.width = 96, preset.height = 72;
-  preset.parameters = {{"reference.samples", "512"}, {"ddgi.rays", "64"}};  // noise is not what the bounds are about
+  preset.width = 64, preset.height = 48;
+  preset.parameters = {{"reference.samples", "512"}, {"ddgi.rays", "64"}, {"ddgi.hysteresis", "0.9"}, {"ddgi.distance_texels", "8"}};
   session->load(preset);
   session->settle();
   session->reference();

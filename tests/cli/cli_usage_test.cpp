@@ -265,7 +265,10 @@ TEST_F(CliCompare, WritesTheMap) {
   double sum = 0;
   for (size_t i = 0; i < values.pixels(); ++i) sum += values.data[i * static_cast<size_t>(values.channels)];
   EXPECT_NEAR(sum / static_cast<double>(values.pixels()), (0.25 + 0.0625) / 2, 1e-5);
-  ASSERT_EQ(runCli({"compare", folder / "a.exr", folder / "b.exr", "--map", picture}).code, 0);
+  {
+    const CliResult r = runCli({"compare", folder / "a.exr", folder / "b.exr", "--map", picture});
+    ASSERT_EQ(r.code, 0) << r.err;
+  }
   EXPECT_EQ(readImage(picture).height, 6);
 }
 

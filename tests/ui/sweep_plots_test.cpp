@@ -330,10 +330,10 @@ class SweepPlotsTest : public QObject {
       for (const PassSummary& p : c.passes) {
         sum += p.ms.median;
         for (const PlotMark& m : plot.marks())
-          if (m.configuration == c.configuration && m.text.contains('\n' + QString::fromStdString(p.name) + ": ")) {
+          if (m.configuration == c.configuration && m.text.endsWith(QStringLiteral("\n%1: %2 ms").arg(QString::fromStdString(p.name)).arg(p.ms.median, 0, 'g', 4))) {
             const QPoint at = plot.pixelOf(m).toPoint();
             const double width = std::abs(plot.plot().xAxis->coordToPixel(p.ms.median) - plot.plot().xAxis->coordToPixel(0));
-            if (width <= 6) continue;  // little but the line round it
+            if (width <= 6) continue;  // its middle is then clear of the edges, which are blended
             ++coloured;
             QVERIFY2(differ(image.pixelColor(at), colours.of(p.name)) < 3,
                      qPrintable(QStringLiteral("%1 at %2, %3: %4").arg(QString::fromStdString(p.name)).arg(at.x()).arg(at.y()).arg(image.pixelColor(at).name())));
