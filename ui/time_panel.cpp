@@ -194,7 +194,9 @@ void TimePanel::showFrame(const FrameResult& f) {
   shown_ = f.time;
   const QSignalBlocker a(time_), b(slider_);
   time_->setValue(f.time);
-  slider_->setValue(static_cast<int>(std::lround(std::min(1.0, f.time / static_cast<double>(longestAnimation(*scene))) * kSliderSteps)));
+  // What still plays beyond its length repeats: the slider goes round with it.
+  const double length = static_cast<double>(longestAnimation(*scene)), at = playing_ ? std::fmod(f.time, length) : std::min(f.time, length);
+  slider_->setValue(static_cast<int>(std::lround(at / length * kSliderSteps)));
 }
 
 }  // namespace hl::ui

@@ -2,6 +2,7 @@
 #include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QPushButton>
+#include <QSlider>
 #include <QTest>
 #include <QToolButton>
 
@@ -27,7 +28,7 @@ class TimePanelTest : public QObject {
       if (w->text() == text) return w;
     return nullptr;
   }
-  void publish(double time, bool paths) {
+  void publish(double time, bool paths, bool playing = false) {
     auto scene = std::make_shared<Scene>();
     scene->hash = paths ? "paths" : "none";
     scene->cameras.resize(1);
@@ -37,7 +38,7 @@ class TimePanelTest : public QObject {
       scene->cameraPaths = {p};
     }
     auto frame = std::make_shared<FrameResult>();
-    frame->scene = scene, frame->time = time;
+    frame->scene = scene, frame->time = time, frame->playing = playing;
     frame->preset = document_->preset();
     link_.publish(frame);
     panel_->showFrame(*frame);
@@ -67,6 +68,14 @@ class TimePanelTest : public QObject {
     QVERIFY(!link_.playback.play);
     QCOMPARE(link_.playback.start, 2.25f);
     QCOMPARE(document_->preset().animation.start, 2.25f);
+  }
+
+  void theSliderGoesRoundWithWhatRepeats() {
+    auto* slider = panel_->findChild<QSlider*>();
+    publish(5, true, true);
+    QCOMPARE(slider->value(), slider->maximum() / 4);
+    publish(5, true, false);
+    QCOMPARE(slider->value(), slider->maximum());
   }
 
   void nothingToPlayInAScene() {
