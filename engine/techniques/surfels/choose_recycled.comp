@@ -10,8 +10,12 @@ layout(local_size_x = 64) in;
 layout(scalar) writeonly buffer flags_block { uint flags[]; };
 
 bool goes(uint id, SurfelState s) {
+  // Drawn for neighbouring numbers together first: a look-up for one of them costs as much as for all.
+  const float gate = min(1.0, 2.0 * surfels.recycle_chance);
+  Random ofGroup = randomInit(frame.seed ^ 0x9e0ca5edu, gl_WorkGroupID.x, frame.frame);
+  if (randomFloat(ofGroup) >= gate) return false;
   Random random = randomInit(frame.seed ^ 0x0ec1c1edu, id, frame.frame);
-  const float luck = randomFloat(random);
+  const float luck = gate * randomFloat(random);
   if (luck >= surfels.recycle_chance) return false;
   const vec4 place = texelFetch(records, int(kRecordTexels * id));
   const uint idle = frame.frame - max(s.lastSeen, s.lastUsed);

@@ -69,8 +69,8 @@ PARAM_FLOAT(guide_uniform, 0.3, 0.01, 1, 0.05, 1, Linear, Live, "share", "Share 
 PARAM_BOOL(recycle, true, Live, "Removes surfels that nothing has looked at for a while when memory runs low, and those that others cover. Off in the thesis.")
 PARAM_FLOAT(recycle_fill, 0.75, 0, 1, 0.25, 1, Linear, Live, "of max_surfels", "From so many surfels on unseen ones are removed, the farther the sooner.")
 PARAM_INT(recycle_frames, 120, 1, 100000, 10, 1000, Log, Live, "frames", "Neither pixel nor ray has looked at a surfel for so long: it counts as unseen.")
-PARAM_FLOAT(recycle_coverage, 6, 0.5, 64, 2, 16, Log, Live, "weight", "A surfel that all others together cover by more than this may be removed.")
-PARAM_FLOAT(recycle_chance, 0.02, 0, 1, 0.001, 0.2, Linear, Live, "probability", "Whether one that may be removed is, in this frame: if all went at once, a hole would be left.")
+PARAM_FLOAT(recycle_coverage, 3, 0.5, 64, 2, 16, Log, Live, "weight", "A surfel that all others together cover by more than this may be removed.")
+PARAM_FLOAT(recycle_chance, 0.05, 0, 1, 0.001, 0.2, Linear, Live, "probability", "Whether one that may be removed is, in this frame: if all went at once, a hole would be left.")
 PARAM_INT(freeze_frames, 0, 0, 100000, 0, 4096, Linear, Rebuild, "frames", "So many frames after a reset the cache freezes: no surfel is placed or removed any more. 0: never.")
 PARAM_INT(settle_frames, 256, 1, 100000, 16, 4096, Log, Live, "frames", "From so many frames without a change on the picture counts as settled.")
 
