@@ -1,6 +1,6 @@
 // What it takes to bring a tracer to where objects are now, against making it anew, and how fast each then casts rays. Interleaved, wall-clock medians.
 //
-//   bench_moving_tracers_bench [SCENE [OBJECT [UPDATES]]]      default: cornell_spin as it is; atrium "blue banner" has that object swing
+//   bench_moving_tracers_bench [SCENE [OBJECT [UPDATES]]]      default: cornell_spin as it is; atrium "blue banner" has swing what is named so
 //
 #include <algorithm>
 #include <chrono>
@@ -38,7 +38,7 @@ double median(std::vector<double> v) {
 void swing(Scene& scene, const std::string& name) {
   ObjectAnimation a;
   for (uint32_t i = 0; i < scene.objects.size(); ++i)
-    if (scene.objects[i] == name) a.objects.push_back(i);
+    if (scene.objects[i].starts_with(name)) a.objects.push_back(i);
   if (a.objects.empty()) throw badInput("there is no object '" + name + "'");
   a.name = "swing", a.axis = vec3(1, 0, 0), a.pivot = (scene.bounds.min + scene.bounds.max) * 0.5f;
   a.keys = {{0, vec3(0), 0, vec3(1)}, {4, vec3(0), 2 * kPi, vec3(1)}};
