@@ -123,8 +123,22 @@ void Document::restore(const Preset& preset, const QString& what) {
   undo_.push(PresetCommand::whole(*this, preset_, std::move(target), what));
 }
 
+void Document::setPlayback(const Playback& playback) {
+  preset_.animation = playback;
+  ++edits_;
+  link_.setPlayback(playback);
+  emit presetChanged();
+  updateModified();
+}
+
+void Document::keepCameraPaths(const std::vector<CameraPath>& paths) {
+  ++edits_;
+  link_.setCameraPaths(paths);
+}
+
 void Document::moveCamera(const Camera& camera) {
   preset_.camera = camera;
+  leavePath();
   ++edits_;
   link_.setCamera(camera);
   emit cameraChanged(false);
@@ -134,13 +148,21 @@ void Document::moveCamera(const Camera& camera) {
 void Document::useCamera(const std::string& name) {
   preset_.cameraName = name;
   preset_.camera.reset();
+  leavePath();
   ++edits_;
   link_.setCameraName(name);
   emit cameraChanged(true);
   updateModified();
 }
 
+void Document::leavePath() {
+  if (preset_.animation.cameraPath.empty()) return;
+  preset_.animation.cameraPath.clear();
+  emit presetChanged();
+}
+
 std::optional<Camera> Document::camera() const {
+  if (const auto frame = link_.latest(); frame && !preset_.animation.cameraPath.empty()) return frame->camera;
   if (preset_.camera) return preset_.camera;
   if (!scene_ || scene_->cameras.empty()) return std::nullopt;
   for (const Camera& c : scene_->cameras)
@@ -177,7 +199,7 @@ void Document::apply(const Preset& wanted, bool whole) {
     announceAll();
     return;
   }
-  target.camera = old.camera, target.cameraName = old.cameraName, target.file = old.file;
+  target.camera = old.camera, target.cameraName = old.cameraName, target.file = old.file, target.animation = old.animation;
   const bool anotherTechnique = target.technique != old.technique;
   preset_ = target;
   if (anotherTechnique) sendTechnique(target);

@@ -41,7 +41,11 @@ class Document : public QObject {
   // Looking round is no step of undo.
   void moveCamera(const Camera&);
   void useCamera(const std::string& name);
-  /// The camera the picture is taken with; needs a scene for a named one.
+  /// Nor is letting time pass.
+  void setPlayback(const Playback&);
+  /// The scene's recorded flights, in place of those it has; saving the scene keeps them.
+  void keepCameraPaths(const std::vector<CameraPath>&);
+  /// The camera the picture is taken with, also where a path holds it; needs a scene for a named one.
   std::optional<Camera> camera() const;
 
   // Files.
@@ -82,6 +86,7 @@ class Document : public QObject {
   void onFrame();
   void announceAll();
   void updateModified();
+  void leavePath();
   std::string savedForm() const;
 
   EngineLink& link_;

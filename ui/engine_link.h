@@ -33,6 +33,8 @@ class EngineLink : public QObject {
   virtual void setResolution(int width, int height) = 0;
   virtual void setSeed(uint32_t) = 0;
   virtual void setDisplay(const Display&) = 0;
+  virtual void setPlayback(const Playback&) = 0;
+  virtual void setCameraPaths(const std::vector<CameraPath>&) = 0;
   virtual void pick(int x, int y) = 0;
   virtual void setReferenceWanted(bool) = 0;
   /// FrameResult::images of the frames from now on; one frame comes at once, paused or not.

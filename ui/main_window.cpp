@@ -210,6 +210,8 @@ void MainWindow::onFrame() {
   viewport_->setWaiting({});
   viewport_->showFrame(frame_);
   profiler_->showFrame(frame_);
+  // Who takes hold of the camera on its way goes on from there.
+  if (!document_.preset().animation.cameraPath.empty() && frame_->scene) viewport_->setCamera(frame_->camera, frame_->scene->bounds.diagonal());
   if constexpr (requires { frame_->picked; }) {
     const auto& p = frame_->picked;
     if (focusPixel_ && p.x == focusPixel_->x() && p.y == focusPixel_->y()) {

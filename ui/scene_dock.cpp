@@ -15,6 +15,7 @@
 
 #include "ui/bookmarks.h"
 #include "ui/lights_editor.h"
+#include "ui/time_panel.h"
 
 namespace hl::ui {
 namespace {
@@ -64,7 +65,7 @@ ScenePanel::ScenePanel(Document& document, Bookmarks& bookmarks, QWidget* parent
   auto* lightsColumn = new QVBoxLayout(lights);
   lightsColumn->addWidget(new LightsEditor(document, lights));
   auto* saveButton = new QPushButton(tr("Save scene as..."), lights);
-  saveButton->setToolTip(tr("The scene's file with the lights as they are now. A preset keeps them too"));
+  saveButton->setToolTip(tr("The scene's file with the lights and the recorded flights as they are now. A preset keeps the lights too"));
   lightsColumn->addWidget(saveButton);
   column->addWidget(lights);
 
@@ -79,6 +80,12 @@ ScenePanel::ScenePanel(Document& document, Bookmarks& bookmarks, QWidget* parent
   hint->setForegroundRole(QPalette::PlaceholderText);
   camerasColumn->addWidget(hint);
   column->addWidget(cameras);
+
+  auto* time = new QGroupBox(tr("Time"), content);
+  auto* timeColumn = new QVBoxLayout(time);
+  time_ = new TimePanel(document, time);
+  timeColumn->addWidget(time_);
+  column->addWidget(time);
 
   auto* picture = new QGroupBox(tr("Random numbers"), content);
   auto* pictureForm = new QFormLayout(picture);
@@ -171,6 +178,7 @@ void ScenePanel::readCameras() {
 
 void ScenePanel::showFrame(const FrameResult& f) {
   if (!f.scene) return;
+  time_->showFrame(f);
   QStringList has;
   const SceneFeatures& s = f.features;
   if (s.emissive) has << tr("%1 emissive triangles").arg(s.emissiveTriangles);
@@ -182,6 +190,8 @@ void ScenePanel::showFrame(const FrameResult& f) {
   if (s.albedoTextures) has << tr("albedo textures");
   if (s.normalMaps) has << tr("normal maps");
   if (s.twoSided) has << tr("two-sided materials");
+  if (s.movingObjects) has << tr("moving objects");
+  if (s.movingLights) has << tr("moving lights");
   const auto count = [](uint64_t v) { return QLocale().toString(static_cast<qulonglong>(v)); };
   QList<std::pair<QString, QString>> rows{{tr("Triangles"), count(f.triangles)},
                                           {tr("Materials"), count(f.scene->materials.size())},

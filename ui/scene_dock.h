@@ -13,6 +13,7 @@ class QSpinBox;
 namespace hl::ui {
 
 class Bookmarks;
+class TimePanel;
 
 class ScenePanel : public QWidget {
   Q_OBJECT
@@ -38,6 +39,7 @@ class ScenePanel : public QWidget {
   QComboBox* chooser_;
   QListWidget* cameras_;
   QSpinBox* seed_;
+  TimePanel* time_;
   QLabel* facts_;
   QLabel* report_;
   QString factsText_, reportText_;

@@ -140,6 +140,12 @@ void SessionLink::setSeed(uint32_t seed) {
 void SessionLink::setDisplay(const Display& display) {
   post("display", [display](Session& s) { s.setDisplay(display); });
 }
+void SessionLink::setPlayback(const Playback& p) {
+  post("playback", [p](Session& s) { s.setPlayback(p); });
+}
+void SessionLink::setCameraPaths(const std::vector<CameraPath>& paths) {
+  post("camera paths", [paths](Session& s) { s.setCameraPaths(paths); });
+}
 void SessionLink::pick(int x, int y) {
   post("pick", [x, y](Session& s) { s.pick(x, y); });
 }

@@ -25,6 +25,8 @@ class SessionLink : public EngineLink {
   void setResolution(int width, int height) override;
   void setSeed(uint32_t) override;
   void setDisplay(const Display&) override;
+  void setPlayback(const Playback&) override;
+  void setCameraPaths(const std::vector<CameraPath>&) override;
   void pick(int x, int y) override;
   void setReferenceWanted(bool) override;
   void setImagesWanted(const std::vector<std::string>& names) override;

@@ -13,6 +13,8 @@ class FakeLink : public EngineLink {
   std::shared_ptr<const FrameResult> frame;
   std::vector<std::string> wanted;
   std::optional<std::vector<Region>> regions;
+  Playback playback;
+  std::vector<CameraPath> paths;
   std::shared_ptr<Progress> work = std::make_shared<Progress>();
 
   void publish(std::shared_ptr<const FrameResult> f) {
@@ -36,6 +38,14 @@ class FakeLink : public EngineLink {
   void setResolution(int w, int h) override { note("resolution " + std::to_string(w) + "x" + std::to_string(h)); }
   void setSeed(uint32_t s) override { note("seed " + std::to_string(s)); }
   void setDisplay(const Display& d) override { note("display " + d.view + " " + std::to_string(d.exposure)); }
+  void setPlayback(const Playback& p) override {
+    playback = p;
+    note(std::string("playback ") + (p.play ? "on" : "off"));
+  }
+  void setCameraPaths(const std::vector<CameraPath>& p) override {
+    paths = p;
+    note("camera paths " + std::to_string(p.size()));
+  }
   void pick(int x, int y) override { note("pick " + std::to_string(x) + " " + std::to_string(y)); }
   void setReferenceWanted(bool on) override { note(on ? "reference on" : "reference off"); }
   void setImagesWanted(const std::vector<std::string>& names) override {
