@@ -40,7 +40,7 @@ std::string resultsText(const RunResults& r) {
     out += "frame not measured: the first is warm-up\n";
   else
     out += fmt::format("frame {:.2f} ms (p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.p5Ms,
-                     f.frameTime.p95Ms, f.provenance.timing == "serialised" ? ", raster passes timed apart" : "");
+                     f.frameTime.p95Ms, f.provenance.timing == "serialised" ? ", passes timed apart" : "");
   if (f.unaccounted > kUnaccountedLimit) out += fmt::format("{:.0f} % of the frame is in no pass\n", 100 * f.unaccounted);
   if (f.workUnits > 0) out += fmt::format("work {:.2f} s in {} units\n", f.workMs / 1000, f.workUnits);
   out += fmt::format("  {:<40} {:<4} {:>9} {:>9} {:>9}\n", "pass", "", "median ms", "p5", "p95");

@@ -19,7 +19,7 @@ struct PassTiming {
 struct BatchTimings {
   std::vector<PassTiming> passes;
   double wallMs = 0;        ///< from first submission to last fence, host passes included
-  bool serialised = false;  ///< raster passes were submitted apart (CPU devices charge them wrongly otherwise)
+  bool serialised = false;  ///< passes were submitted apart and timed by the wall clock (a CPU device's timestamps say little)
   /// Share of the wall time that is in no pass (MEASURES.md section 4 wants it below a tenth); negative where passes
   /// overlapped.
   double unaccounted() const;

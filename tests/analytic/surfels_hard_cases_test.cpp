@@ -43,6 +43,64 @@ TEST(SurfelHardCase, TwoRunsAgreeToTheBitWhateverMoves) {
   }
 }
 
+/// Tiles list all that reach their pixels, in the grid's order: the same picture to the bit, from either grid, while cameras and surfels move.
+TEST(SurfelHardCase, DrawnSurfelsGiveTheGridsPicture) {
+  const Scene scene = loadScene("cornell_box");
+  for (const char* grid : {"uniform", "camera"}) {
+    std::vector<float> first;
+    for (const char* gather : {"per_pixel", "splat"}) {
+      SurfelsHarness h(scene);
+      small(h);
+      h.width = 61, h.height = 43;  // tiles that the picture cuts
+      h.set("surfels.grid", grid).set("surfels.gather", gather).set("surfels.radius_max", "0.1");
+      h.rebuild();
+      Camera c = scene.cameras.front();
+      for (int i = 0; i < 12; ++i) {
+        c.position = c.position + vec3(0.01f, 0, 0.05f);
+        h.frame(c);
+      }
+      const Image image = h.irradiance();
+      ASSERT_TRUE(finite(image));
+      EXPECT_GT(h.mean(), 0);
+      EXPECT_EQ(h.counter("dropped_lists"), 0);
+      if (first.empty()) first = image.data;
+      EXPECT_EQ(std::memcmp(first.data(), image.data.data(), first.size() * sizeof(float)), 0) << grid << ", " << gather;
+    }
+  }
+}
+
+/// A frozen cache keeps its surfels; a plain mean over it goes on converging, where a window's noise levels off. Without a freeze it is refused.
+TEST(SurfelHardCase, APlainMeanNeedsAFrozenCache) {
+  SurfelsHarness h(loadScene("cornell_box"));
+  small(h);
+  h.set("surfels.estimator", "mean");
+  try {
+    h.rebuild();
+    ADD_FAILURE() << "a plain mean over a cache that never freezes was taken";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("freeze_frames"), std::string::npos) << e.what();
+  }
+  double variation[2] = {0, 0};
+  for (const bool mean : {false, true}) {
+    h.set("surfels.estimator", mean ? "mean" : "multi_scale").set("surfels.freeze_frames", "60").set("surfels.min_blend", "0.05");
+    h.rebuild();
+    for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
+    h.frame(h.scene.cameras.front());
+    const double surfels = h.counter("surfels"), placed = h.counter("placed_at_pixels") + h.counter("placed_at_hits");
+    EXPECT_GT(surfels, 0);
+    for (int i = 0; i < 120; ++i) h.frame(h.scene.cameras.front());
+    EXPECT_EQ(h.counter("surfels"), surfels);
+    EXPECT_EQ(h.counter("placed_at_pixels") + h.counter("placed_at_hits"), placed);
+    const Image a = h.irradiance();
+    for (int i = 0; i < 20; ++i) h.frame(h.scene.cameras.front());
+    const Image b = h.irradiance();
+    ASSERT_TRUE(finite(b));
+    for (size_t i = 0; i < a.data.size(); i += 4) variation[mean] += static_cast<double>((a.data[i] - b.data[i]) * (a.data[i] - b.data[i]));
+  }
+  std::printf("frozen: within 20 frames a mean moves by %.3g of what a window of 1/20 does\n", std::sqrt(variation[1] / variation[0]));
+  EXPECT_LT(variation[1], 0.25 * variation[0]);
+}
+
 TEST(SurfelHardCase, FullMemoryPlacesNoMoreAndSaysSo) {
   SurfelsHarness h(loadScene("cornell_box"));
   small(h);

@@ -72,7 +72,7 @@ TEST_F(SurfelsGrid, ListsHoldEverySurfelThatReachesTheCell) {
     states[i].priority = i % 10 == 3 ? 0 : 1;  // some numbers are free
   }
   shared::SurfelFrame frame{};
-  frame.gridOrigin = plan.origin, frame.cellSize = plan.cellSize, frame.gridSize = plan.size, frame.cells = plan.cells();
+  frame.gridOrigin = plan.origin, frame.cellSize = plan.cellSize, frame.gridSize = plan.size, frame.cells = frame.lists = plan.cells(), frame.entriesMost = 2048 * kMostCellsOfSurfel;
   frame.radius = 0.1f, frame.surfels = kCount;
   const shared::ObjectTransform still{mat4(1.0f), mat4(1.0f), mat4(1.0f), 0, 0};
   const Buffer transforms = device->buffer("transforms", sizeof still);
@@ -109,6 +109,69 @@ TEST_F(SurfelsGrid, ListsHoldEverySurfelThatReachesTheCell) {
     }
     if (run == 0) first = entries;
     EXPECT_EQ(entries, first);
+  }
+}
+
+/// The camera's grid against the host's own search: every point that a surfel lights lies in a cell that lists it, whichever region either is in.
+TEST_F(SurfelsGrid, TheCamerasListsHoldEverySurfelThatReachesTheCell) {
+  constexpr uint32_t kCount = 1500;
+  Bounds bounds;
+  bounds.extend(vec3(-3, -1, -2));
+  bounds.extend(vec3(4, 2, 3));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const auto inBounds = [&] { return bounds.min + (bounds.max - bounds.min) * vec3(unit(random), unit(random), unit(random)); };
+  SurfelsParams params;
+  params.grid = kGridCamera, params.radius_pixels = 8;
+  const Buffer transforms = device->buffer("transforms", sizeof(shared::ObjectTransform));
+  const shared::ObjectTransform still{mat4(1.0f), mat4(1.0f), mat4(1.0f), 0, 0};
+  device->upload(transforms, &still, sizeof still);
+  for (const vec3 eye : {vec3(0.1f, 0.2f, 0), vec3(-2.9f, -0.9f, 2.9f), vec3(0, 0.5f, -9)}) {
+    shared::SurfelFrame frame{};
+    frame.eye = eye, frame.radiusMax = 0.4f, frame.pixelAngle = 0.008f, frame.surfels = kCount, frame.diagonal = 9;
+    const CameraGridPlan plan = planCameraGrid(bounds, eye, shared::kLeastRadius * frame.radiusMax, params.radius_pixels * frame.pixelAngle);
+    EXPECT_LE(plan.cells, kMostCells);
+    frame.gridInner = plan.inner, frame.gridEdge = plan.edge, frame.gridPerLog = plan.perLog;
+    std::copy(plan.regions.begin(), plan.regions.end(), frame.regions);
+    frame.cells = frame.lists = plan.cells;
+    SurfelGrid grid(*device, planGrid(bounds, frame.radiusMax), 2048, true);
+    frame.entriesMost = grid.room();
+    std::vector<shared::Surfel> sites(kCount);
+    std::vector<shared::SurfelState> states(kCount);
+    for (uint32_t i = 0; i < kCount; ++i) {
+      // A third of them near the eye, where the cube is and all regions meet.
+      const vec3 place = i % 3 == 0 ? eye + 4 * plan.inner * (2.0f * vec3(unit(random), unit(random), unit(random)) - 1.0f) : inBounds();
+      sites[i] = {place, 0, glm::normalize(vec3(unit(random) - 0.5f, unit(random) - 0.5f, unit(random) - 0.5f)), 0};
+      states[i] = {};
+      states[i].priority = 1;
+    }
+    const PrefixSum prefix(*device, kMostCells);
+    const Buffer site = device->buffer("sites", std::span<const shared::Surfel>(sites)), state = device->buffer("states", std::span<const shared::SurfelState>(states));
+    const Buffer records = device->buffer("records", kCount * shared::kRecordTexels * sizeof(vec4)), totals = device->buffer("totals", sizeof(shared::SurfelTotals));
+    graph->clear("clear totals", totals);
+    graph->clear("clear records", records);
+    grid.recordEmpty(*graph);
+    grid.record(*graph, prefix, frame, params, site, state, records, totals, transforms);
+    graph->execute();
+    const std::vector<uint32_t> offsets = download<uint32_t>(grid.offsets()), entries = download<uint32_t>(grid.entries());
+    ASSERT_LE(offsets[plan.cells], grid.room());
+    EXPECT_LE(offsets[plan.cells], 14 * kCount);  // cells fit the surfels that they list
+    int tried = 0;
+    for (int i = 0; i < 40000; ++i) {
+      const auto id = static_cast<uint32_t>(random() % kCount);
+      const float away = glm::length(sites[id].position - eye);
+      const float radius = std::clamp(params.radius_pixels * frame.pixelAngle * away, shared::kLeastRadius * frame.radiusMax, frame.radiusMax);
+      const vec3 to = 0.999f * radius * vec3(2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1);
+      if (shared::surfelDistance2(to, sites[id].normal, radius, params.normal_squash) >= 1) continue;
+      const vec3 q = sites[id].position + to - eye;
+      const uint32_t which = shared::gridRegionOf(q, plan.inner);
+      const shared::GridRegion& r = plan.regions[which];
+      const ivec3 c = glm::clamp(ivec3(glm::floor(shared::gridCoordinates(q, which, plan.inner, plan.edge, plan.perLog) - r.low)), ivec3(0), ivec3(r.size) - 1);
+      const uint32_t cell = r.firstCell + (static_cast<uint32_t>(c.z) * r.size.y + static_cast<uint32_t>(c.y)) * r.size.x + static_cast<uint32_t>(c.x);
+      ASSERT_TRUE(std::binary_search(entries.begin() + offsets[cell], entries.begin() + offsets[cell + 1], id)) << "surfel " << id << ", region " << which;
+      ++tried;
+    }
+    EXPECT_GT(tried, 1000);
   }
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr const char* kProbesView = "probes";
 constexpr const char* kStatesView = "probe_states";
+constexpr const char* kDistancesView = "distances";
 
 class Ddgi final : public Technique {
  public:
@@ -23,7 +24,7 @@ class Ddgi final : public Technique {
 
   void rebuild(Gpu& gpu, const SceneView& scene, Progress&) override {
     probes_.reset();
-    result_ = shown_ = {};
+    result_ = shown_ = distances_ = {};
     device_ = &gpu.device;
     probes_ = std::make_unique<DdgiProbes>(gpu, scene, params_);
   }
@@ -53,6 +54,7 @@ class Ddgi final : public Technique {
       shown_ = sized(shown_, "ddgi: probes shown", in.gbuffer);
       recordShow(graph, in);
     }
+    if (in.view == kDistancesView) recordShowDistances(graph);
     return {result_};
   }
 
@@ -66,7 +68,8 @@ class Ddgi final : public Technique {
     add(kProbesView, "Probes: irradiance", shown_, true);
     add(kStatesView, "Probes: active (green), relocated (blue), inside (red), without surfaces (grey)", shown_, false);
     add("irradiance_atlas", "Probes' maps of irradiance / pi", probes_ ? probes_->irradianceAtlas() : GpuImage(), true);
-    add("distance_atlas", "Probes' maps of distance (red) and its square (green)", probes_ ? probes_->distanceAtlas() : GpuImage(), true);
+    add(kDistancesView, "Probes' maps of distance: mean (red), deviation (green), of what they reach; not asked (blue)", distances_, false);
+    add("distance_atlas", "... as they are: distance [m] (red) and its square (green)", probes_ ? probes_->distanceAtlas() : GpuImage(), true);
     return views;
   }
 
@@ -74,7 +77,7 @@ class Ddgi final : public Technique {
     if (!probes_) return {};
     std::vector<MemoryItem> items = probes_->memory();
     uint64_t pixels = 0;
-    for (const GpuImage& image : {result_, shown_})
+    for (const GpuImage& image : {result_, shown_, distances_})
       if (image) pixels += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
     items.push_back({"irradiance at pixels", pixels});
     return items;
@@ -110,10 +113,18 @@ class Ddgi final : public Technique {
         .dispatchThreads(static_cast<uint32_t>(in.gbuffer.width), static_cast<uint32_t>(in.gbuffer.height));
   }
 
+  void recordShowDistances(FrameGraph& graph) {
+    const GpuImage& atlas = probes_->distanceAtlas();
+    if (!distances_) distances_ = device_->image("ddgi: distances shown", {atlas.width(), atlas.height(), Format::RGBA32F});
+    ComputePass pass = graph.compute("ddgi: show distances", "ddgi/show_distances.comp");
+    probes_->bindLookup(pass);
+    pass.bind("result", distances_, Access::Write).dispatchThreads(static_cast<uint32_t>(atlas.width()), static_cast<uint32_t>(atlas.height()));
+  }
+
   DdgiParams params_;
   Device* device_ = nullptr;
   std::unique_ptr<DdgiProbes> probes_;
-  GpuImage result_, shown_;
+  GpuImage result_, shown_, distances_;
   vec3 viewer_{0.0f};
   uint32_t frames_ = 0, sinceChange_ = 0;  ///< since the last reset or followed change of light or geometry; since that, or one of the camera
   bool followed_ = false;  ///< something changed since the last reset, and the probes carried on

@@ -12,6 +12,6 @@ void main() {
   }
   totals.lastPriority = totals.priority;
   totals.priority = 0u;
-  totals.entries = totals.largestCell = 0u;
+  totals.entries = totals.largestCell = totals.largestTile = totals.inView = 0u;
   for (uint i = 0u; i < kSurfelCounters; ++i) totals.counters[i] = 0u;
 }

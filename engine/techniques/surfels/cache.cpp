@@ -27,6 +27,9 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
       depthTest_(params.depth_test != 0),
       guiding_(params.guiding != 0),
       hitSurfaces_(gpu.device, scene.gpuScene, scene.directLight) {
+  if (params.estimator == kEstimatorMean && params.freeze_frames == 0)
+    throw badInput("surfels.estimator mean: a plain mean over a cache that feeds itself never forgets how dark it began, so it only starts once the cache is frozen; set "
+                   "surfels.freeze_frames, to 256 say, or take multi_scale");
   const float share = params.sizing == kSizingWorld ? params.radius : params.radius_max;
   const float diagonal = scene.gpuScene.diagonal > 0 ? scene.gpuScene.diagonal : 1.0f;
   const GridPlan plan = planGrid(scene.scene.bounds, share * diagonal);
@@ -38,7 +41,7 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
   if (n * shared::kRecordTexels > device_.maxTexelBufferElements())
     throw Error(ErrorKind::TooLarge, "surfels: " + std::to_string(n) + " surfels are more than this device's texel buffers hold (" +
                                        std::to_string(device_.maxTexelBufferElements() / shared::kRecordTexels) + "); lower surfels.max_surfels");
-  grid_ = std::make_unique<SurfelGrid>(device_, plan, maxSurfels_);
+  grid_ = std::make_unique<SurfelGrid>(device_, plan, maxSurfels_, params.grid == kGridCamera);
   prefix_ = std::make_unique<PrefixSum>(device_, PrefixSum::kMost);
   sites_ = device_.buffer("surfels: sites", n * sizeof(shared::Surfel));
   states_ = device_.buffer("surfels: estimates", n * sizeof(shared::SurfelState));
@@ -76,7 +79,8 @@ void SurfelCache::harvest() {
 }
 
 /// Buffers by ray and by candidate grow by half, at least, and never shrink.
-void SurfelCache::reserve(uint32_t rays, uint32_t candidates) {
+void SurfelCache::reserve(const shared::SurfelFrame& f, bool splat) {
+  const uint64_t rays = f.rays, candidates = f.candidates;
   const auto grow = [&](Buffer& b, const char* name, uint64_t count, uint64_t each) {
     if (b && b.size() >= count * each) return;
     const uint64_t held = b ? b.size() / each : 0;
@@ -90,7 +94,10 @@ void SurfelCache::reserve(uint32_t rays, uint32_t candidates) {
   grow(ray_.arrivals, "arrivals", rays, sizeof(vec4));
   grow(candidates_, "candidates", candidates, sizeof(shared::Candidate));
   grow(placeFlags_, "accepted candidates", candidates, sizeof(uint32_t));
-  grow(placeOrder_, "order of candidates", uint64_t{candidates} + 1, sizeof(uint32_t));
+  grow(placeOrder_, "order of candidates", candidates + 1, sizeof(uint32_t));
+  if (!splat) return;
+  grow(tileDepths_, "depths of tiles", f.lists - f.cells, sizeof(vec2));
+  newLists_ = grid_->reserve(f.lists - f.cells) || newLists_;
 }
 
 shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsParams& params) const {
@@ -100,18 +107,36 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.cellSize = plan.cellSize;
   f.gridSize = plan.size;
   f.cells = plan.cells();
+  const CameraBasis view = cameraBasis(in.camera, static_cast<float>(in.gbuffer.width) / static_cast<float>(in.gbuffer.height));
+  f.forward = view.forward;
+  f.right = view.right / glm::dot(view.right, view.right), f.down = view.down / glm::dot(view.down, view.down);
+  f.width = static_cast<uint32_t>(in.gbuffer.width), f.height = static_cast<uint32_t>(in.gbuffer.height);
   f.eye = in.camera.position;
   f.pixelAngle = 2 * std::tan(0.5f * in.camera.verticalFov) / static_cast<float>(in.gbuffer.height);
   f.diagonal = scene_.gpuScene.diagonal;
   f.radius = params.radius * f.diagonal;
   f.radiusMax = params.radius_max * f.diagonal;
+  if (grid_->camera()) {
+    const bool screen = params.sizing == kSizingScreen;
+    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, screen ? shared::kLeastRadius * f.radiusMax : f.radius, screen ? params.radius_pixels * f.pixelAngle : 0);
+    f.gridInner = around.inner, f.gridEdge = around.edge, f.gridPerLog = around.perLog;
+    f.cells = around.cells;
+    std::copy(around.regions.begin(), around.regions.end(), f.regions);
+  }
+  const auto tilesOf = [](uint32_t pixels) { return (pixels + shared::kSplatPixels - 1) / shared::kSplatPixels; };
+  f.lists = f.cells + (params.gather == kGatherSplat ? tilesOf(f.width) * tilesOf(f.height) : 0);
+  f.entriesMost = grid_->room();
+  f.frozen = params.freeze_frames > 0 && frame_ >= static_cast<uint32_t>(params.freeze_frames) ? 1 : 0;
+  f.justFrozen = f.frozen != 0 && frame_ == static_cast<uint32_t>(params.freeze_frames) ? 1 : 0;
   f.frame = frame_;
   f.seed = in.seed;
   f.lightChanged = in.lightsChanged ? 1 : 0;
   f.surfels = last_.highWater;
   f.maxSurfels = maxSurfels_;
+  const double inView = std::min(last_.inView, last_.alive);
+  const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
-  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * last_.alive), static_cast<long long>(most)));
+  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * counted), static_cast<long long>(most)));
   f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
   f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);
   f.candidates = f.tiles + f.rays;

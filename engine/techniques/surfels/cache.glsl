@@ -33,24 +33,25 @@ float luminanceOf(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
 // ---------------------------------------------------------------------------------------------------------------- the grid
 
-ivec3 cellOf(vec3 p) { return clamp(ivec3(floor((p - frame.gridOrigin) / frame.cellSize)), ivec3(0), ivec3(frame.gridSize) - 1); }
-uint cellIndex(ivec3 c) { return (uint(c.z) * frame.gridSize.y + uint(c.y)) * frame.gridSize.x + uint(c.x); }
+layout(constant_id = 10) const bool kCameraGrid = false;
 
-/// Nearer to the eye than this share of the largest radius no surfel shrinks.
-const float kLeastRadius = 1.0 / 64.0;
+uint cellIndex(uvec3 c, uvec3 size) { return (c.z * size.y + c.y) * size.x + c.x; }
+uvec3 cellWithin(vec3 coordinates, uvec3 size) { return uvec3(clamp(ivec3(floor(coordinates)), ivec3(0), ivec3(size) - 1)); }
+
+/// The cell of any point; those outside the scene's bounds belong to cells at their rim.
+uint cellAt(vec3 p) {
+  if (!kCameraGrid) return cellIndex(cellWithin((p - frame.gridOrigin) / frame.cellSize, frame.gridSize), frame.gridSize);
+  const vec3 q = p - frame.eye;
+  const uint region = gridRegionOf(q, frame.gridInner);
+  const GridRegion r = frame.regions[region];
+  return r.firstCell + cellIndex(cellWithin(gridCoordinates(q, region, frame.gridInner, frame.gridEdge, frame.gridPerLog) - r.low, r.size), r.size);
+}
 
 float radiusAt(vec3 position) {
   if (surfels.sizing != kSizingScreen) return frame.radius;
   return clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);
 }
 
-/// The cells that a surfel's ellipsoid may reach into; at most three along each axis, as no radius exceeds a cell's edge.
-void cellsOf(vec3 position, vec3 normal, float radius, out ivec3 low, out ivec3 high) {
-  const float flatness = 1.0 / surfels.normal_squash;
-  const vec3 extent = radius * sqrt(max(vec3(0.0), 1.0 - normal * normal * (1.0 - flatness * flatness)));
-  low = cellOf(position - extent);
-  high = cellOf(position + extent);
-}
 
 // ---------------------------------------------------------------------------------------------------------------- look-ups
 
@@ -61,6 +62,19 @@ uniform samplerBuffer records;
 layout(scalar) readonly buffer cell_offsets { uint cellOffsets[]; };
 layout(scalar) readonly buffer cell_entries { uint cellEntries[]; };
 layout(scalar) readonly buffer depth_moments { vec2 depthMoments[]; };
+
+/// The list of a cell or tile in cellEntries; false: there was no room for it.
+bool listOf(uint list, out uint first, out uint end) {
+  first = cellOffsets[list];
+  end = cellOffsets[list + 1u];
+  if (end <= frame.entriesMost) return true;
+  end = first;
+  return false;
+}
+void cellList(uint cell, out uint first, out uint end) {
+  listOf(cell, first, end);
+  end = min(end, first + uint(surfels.cell_limit));
+}
 
 struct Gathered {
   vec3 irradiance;      ///< weighted mean; 0 where nothing is near
@@ -102,12 +116,9 @@ void fillGap(vec3 p, vec3 n, uint first, uint end, inout Gathered g) {
   if (g.weight > 0.0) g.irradiance /= g.weight;
 }
 
-/// In the order of the cell's list, which is that of numbers: the same sum in every run.
-Gathered gatherAt(vec3 p, vec3 n) {
+/// In the order of the list, which is that of numbers: the same sum in every run, and from every list that has all that reach the point.
+Gathered gatherFrom(vec3 p, vec3 n, uint first, uint end) {
   Gathered g = Gathered(vec3(0.0), 0.0, 0.0, kNoSurfel, 0.0);
-  const uint cell = cellIndex(cellOf(p));
-  const uint first = cellOffsets[cell];
-  const uint end = min(cellOffsets[cell + 1u], first + uint(surfels.cell_limit));
   for (uint e = first; e < end; ++e) {
     const uint id = cellEntries[e];
     const vec4 place = texelFetch(records, int(kRecordTexels * id));
@@ -122,7 +133,14 @@ Gathered gatherAt(vec3 p, vec3 n) {
     g.irradiance += known * texelFetch(records, int(kRecordTexels * id + 2u)).xyz;
   }
   if (g.weight > 0.0) g.irradiance /= g.weight;
-  else if (surfels.fill_gaps != 0) fillGap(p, n, first, end, g);
+  return g;
+}
+
+Gathered gatherAt(vec3 p, vec3 n) {
+  uint first, end;
+  cellList(cellAt(p), first, end);
+  Gathered g = gatherFrom(p, n, first, end);
+  if (g.weight <= 0.0 && surfels.fill_gaps != 0) fillGap(p, n, first, end, g);
   return g;
 }
 #endif

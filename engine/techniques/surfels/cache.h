@@ -36,9 +36,10 @@ class SurfelCache {
     Buffer rays, hits, samples, arrivals;
   };
   void harvest();
-  void reserve(uint32_t rays, uint32_t candidates);
+  void reserve(const shared::SurfelFrame&, bool splat);
   shared::SurfelFrame frameOf(const FrameInputs&, const SurfelsParams&) const;
   void recordClears(FrameGraph&, const shared::SurfelFrame&);
+  void recordTileDepths(FrameGraph&, const shared::SurfelFrame&, const GBuffer&, bool splat);
   void recordRays(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&);
   void recordUpdate(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&);
   void recordGather(FrameGraph&, const shared::SurfelFrame&, const SurfelsParams&, const GBuffer&, const GpuImage& result);
@@ -52,6 +53,7 @@ class SurfelCache {
   uint32_t maxSurfels_ = 0;
   bool depthTest_ = false, guiding_ = false;
   std::unique_ptr<SurfelGrid> grid_;
+  bool newLists_ = true;     ///< of cells and tiles: not empty yet
   std::unique_ptr<PrefixSum> prefix_;
   HitSurfaces hitSurfaces_;
 
@@ -59,6 +61,7 @@ class SurfelCache {
   Buffer totals_, freeIds_, claims_;
   Buffer shares_, shareSums_;                        ///< by surfel
   Buffer recycleFlags_, recycleOrder_;               ///< by surfel
+  Buffer tileDepths_;                                ///< by tile of the screen, where surfels are drawn into these
   Buffer candidates_, placeFlags_, placeOrder_;      ///< by candidate
   Ray ray_;
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surfels to the world, and how many each cell will hold.
+// Surfels to the world, and how many each cell and tile will list.
 #define HL_SURFELS_STATES
 #define HL_SURFELS_RECORDS
 #include "engine/techniques/surfels/cache.glsl"
@@ -11,6 +11,9 @@ layout(local_size_x = 64) in;
 
 layout(scalar) readonly buffer sites_block { Surfel sites[]; };
 layout(scalar) buffer cell_counts { uint cellCounts[]; };
+
+void visit(uint list, uint) { atomicAdd(cellCounts[list], 1u); }
+#include "engine/techniques/surfels/lists.glsl"
 
 void main() {
   const uint id = gl_GlobalInvocationID.x;
@@ -26,9 +29,5 @@ void main() {
   const float radius = radiusAt(position);
   records[kRecordTexels * id] = vec4(position, radius);
   records[kRecordTexels * id + 1u].xyz = normal;
-  ivec3 low, high;
-  cellsOf(position, normal, radius, low, high);
-  for (int z = low.z; z <= high.z; ++z)
-    for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) atomicAdd(cellCounts[cellIndex(ivec3(x, y, z))], 1u);
+  visitLists(position, normal, radius, id);
 }

@@ -33,14 +33,63 @@ GridPlan planGrid(const Bounds& bounds, float edge) {
   return plan;
 }
 
-SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels) : plan_(plan) {
+namespace {
+
+/// Least share of its distance that a cell's edge is: finer ones would only be empty.
+constexpr float kLeastEdge = 0.02f;
+/// A cell's edge in radii of the surfels there: so that one reaches two along each axis, three at most.
+constexpr float kEdgeInRadii = 2;
+
+CameraGridPlan planWithEdge(const Bounds& bounds, vec3 eye, float inner, float edge) {
+  CameraGridPlan plan;
+  plan.inner = inner, plan.edge = edge, plan.perLog = 1 / std::log1p(edge);
+  const vec3 centre = 0.5f * (bounds.min + bounds.max) - eye, half = 0.5f * (bounds.max - bounds.min);
+  double cells = 0;
+  for (uint32_t r = 0; r < shared::kGridRegions; ++r) {
+    shared::GridRegion& region = plan.regions[r];
+    region.firstCell = static_cast<uint32_t>(std::min<double>(cells, kMostCells));
+    region.size = uvec3(1);
+    vec3 low, high;
+    if (shared::gridReach(centre, half, r, inner, edge, plan.perLog, low, high)) {
+      if (r == 0) low = glm::max(low, vec3(-1 / edge)), high = glm::min(high, vec3(1 / edge));
+      region.low = glm::floor(low);
+      region.size = uvec3(glm::clamp(glm::floor(high) - region.low + 1.0f, vec3(1), vec3(static_cast<float>(kMostCells))));
+    }
+    cells += static_cast<double>(region.size.x) * region.size.y * region.size.z;
+  }
+  plan.cells = static_cast<uint32_t>(std::min<double>(cells, 4.0 * kMostCells));
+  return plan;
+}
+
+}  // namespace
+
+CameraGridPlan planCameraGrid(const Bounds& bounds, vec3 eye, float least, float perDistance) {
+  float edge = std::clamp(kEdgeInRadii * perDistance, kLeastEdge, 1.0f);
+  for (;; edge *= 1.1f) {
+    // Where the least radius takes over from the one that follows the distance, or where it would fill a cell.
+    const float inner = std::max(perDistance > 0 ? least / perDistance : 0.0f, kEdgeInRadii * least / edge);
+    const CameraGridPlan plan = planWithEdge(bounds, eye, inner, edge);
+    if (plan.cells <= kMostCells || edge > 4) return plan;
+  }
+}
+
+SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels, bool camera)
+    : device_(device), plan_(plan), camera_(camera), room_(maxSurfels * kMostCellsOfSurfel) {
   const uint64_t bytes = uint64_t{maxSurfels} * kMostCellsOfSurfel * sizeof(uint32_t);
   if (bytes > device.maxStorageBufferBytes())
     throw Error(ErrorKind::TooLarge, "surfels: lists of cells for " + std::to_string(maxSurfels) + " surfels take " + std::to_string(bytes) +
                                        " bytes, a buffer of this device holds " + std::to_string(device.maxStorageBufferBytes()) + "; lower surfels.max_surfels");
-  counts_ = device.buffer("surfels: cell counts", plan.cells() * sizeof(uint32_t));
-  offsets_ = device.buffer("surfels: cell offsets", (plan.cells() + 1) * sizeof(uint32_t));
+  reserve(0);
   entries_ = device.buffer("surfels: cell entries", bytes);
+  noTiles_ = device.buffer("surfels: no tiles", sizeof(vec2));
+}
+
+bool SurfelGrid::reserve(uint32_t tiles) {
+  const uint64_t lists = uint64_t{camera_ ? kMostCells : plan_.cells()} + tiles;
+  if (counts_ && counts_.size() >= lists * sizeof(uint32_t)) return false;
+  counts_ = device_.buffer("surfels: cell counts", lists * sizeof(uint32_t));
+  offsets_ = device_.buffer("surfels: cell offsets", (lists + 1) * sizeof(uint32_t));
+  return true;
 }
 
 void SurfelGrid::recordEmpty(FrameGraph& graph) {
@@ -49,22 +98,28 @@ void SurfelGrid::recordEmpty(FrameGraph& graph) {
 }
 
 void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared::SurfelFrame& frame, const SurfelsParams& params, const Buffer& sites,
-                        const Buffer& states, const Buffer& records, const Buffer& totals, const Buffer& transforms) {
+                        const Buffer& states, const Buffer& records, const Buffer& totals, const Buffer& transforms, const Buffer& tileDepths) {
   graph.compute("surfels: count cells", "surfels/count_cells.comp")
       .bind("sites", sites, Access::Read)
       .bind("states", states, Access::Read)
       .bind("records", records, Access::ReadWrite)
       .bind("cellCounts", counts_, Access::ReadWrite)
       .bind("object_transforms", transforms, Access::Read)
+      .bind("tileDepths", tileDepths ? tileDepths : noTiles_, Access::Read)
+      .specialize("kCameraGrid", camera_ ? 1 : 0)
+      .specialize("kSplat", tileDepths ? 1 : 0)
       .uniform("frame", frame)
       .uniform("surfels", params)
       .dispatchThreads(frame.surfels);
-  prefix.record(graph, "surfels: cell offsets", counts_, offsets_, plan_.cells());
+  prefix.record(graph, "surfels: cell offsets", counts_, offsets_, frame.lists);
   graph.compute("surfels: scatter", "surfels/scatter.comp")
       .bind("records", records, Access::Read)
       .bind("cellOffsets", offsets_, Access::Read)
       .bind("cellCounts", counts_, Access::ReadWrite)
       .bind("cellEntries", entries_, Access::Write)
+      .bind("tileDepths", tileDepths ? tileDepths : noTiles_, Access::Read)
+      .specialize("kCameraGrid", camera_ ? 1 : 0)
+      .specialize("kSplat", tileDepths ? 1 : 0)
       .uniform("frame", frame)
       .uniform("surfels", params)
       .dispatchThreads(frame.surfels);
@@ -74,7 +129,7 @@ void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared
       .bind("totals", totals, Access::ReadWrite)
       .uniform("frame", frame)
       .uniform("surfels", params)
-      .dispatchThreads(plan_.cells());
+      .dispatchThreads(frame.lists);
 }
 
 }  // namespace hl

@@ -1,5 +1,7 @@
 #pragma once
-// The uniform grid that look-ups go by: which cells there are, and the passes that fill them.
+// The grids that look-ups go by: which cells there are, and the passes that fill their lists, and those of the screen's tiles.
+#include <array>
+
 #include "engine/gpu/frame_graph.h"
 #include "engine/scene/scene.h"
 #include "engine/techniques/surfels/params.h"
@@ -17,19 +19,33 @@ struct GridPlan {
 };
 inline constexpr uint32_t kMostCells = 1u << 18;
 inline constexpr uint32_t kMostCellsOfSurfel = 27;
+/// The camera's grid of one frame (grid_cells.h).
+struct CameraGridPlan {
+  float inner = 1, edge = 1, perLog = 1;  ///< SurfelFrame::gridInner, gridEdge, gridPerLog
+  std::array<shared::GridRegion, shared::kGridRegions> regions{};
+  uint32_t cells = 0;
+};
+/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` [m]. They are enlarged where there would be
+/// more than kMostCells.
+CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance);
+
 /// `edge` [m] is enlarged where it would make more than kMostCells.
 GridPlan planGrid(const Bounds&, float edge);
 
 class SurfelGrid {
  public:
   /// @throws Error(TooLarge) where a buffer of the device can't hold the lists
-  SurfelGrid(Device&, const GridPlan&, uint32_t maxSurfels);
+  SurfelGrid(Device&, const GridPlan&, uint32_t maxSurfels, bool camera = false);
 
   const GridPlan& plan() const { return plan_; }
-  /// Each surfel's place in the world, and the sorted lists of cells. Passes "surfels: count cells", "surfels: cell offsets: ...", "surfels: scatter",
+  bool camera() const { return camera_; }
+  uint32_t room() const { return room_; }  ///< for surfels in all lists
+  /// Lists for the cells and so many tiles of the screen. True: they are new, and need recordEmpty.
+  bool reserve(uint32_t tiles);
+  /// Each surfel's place in the world, and the sorted lists of cells and, where `tileDepths` is given, tiles. Passes "surfels: count cells", "surfels: cell offsets: ...", "surfels: scatter",
   /// "surfels: sort cells".
   void record(FrameGraph&, const PrefixSum&, const shared::SurfelFrame&, const SurfelsParams&, const Buffer& sites, const Buffer& states, const Buffer& records,
-              const Buffer& totals, const Buffer& transforms);
+              const Buffer& totals, const Buffer& transforms, const Buffer& tileDepths = {});
   /// Empty lists, before there is any surfel.
   void recordEmpty(FrameGraph&);
   const Buffer& offsets() const { return offsets_; }  ///< uint a cell and one more: where its list begins in entries()
@@ -37,8 +53,12 @@ class SurfelGrid {
   uint64_t bytes() const { return counts_.size() + offsets_.size() + entries_.size(); }
 
  private:
+  Device& device_;
   GridPlan plan_;
+  bool camera_ = false;
+  uint32_t room_ = 0;
   Buffer counts_, offsets_, entries_;
+  Buffer noTiles_;  ///< bound in place of depths of tiles that there are none of
 };
 
 }  // namespace hl

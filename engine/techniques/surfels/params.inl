@@ -8,12 +8,19 @@ PARAM_ENUM_BEGIN(SurfelEstimator)
 PARAM_ENUM_VALUE(kEstimatorMultiScale, 0, "multi_scale",
                  "A long mean whose window grows, pulled towards a short mean as soon as the two differ by more than noise explains.")
 PARAM_ENUM_VALUE(kEstimatorEma, 1, "ema", "Exponential average with a fixed hysteresis.")
+PARAM_ENUM_VALUE(kEstimatorMean, 2, "mean", "As multi_scale until freeze_frames; from then on every sample counts as much as the next. Needs freeze_frames.")
 PARAM_ENUM_END(SurfelEstimator)
 
 PARAM_ENUM_BEGIN(SurfelGather)
 PARAM_ENUM_VALUE(kGatherPerPixel, 0, "per_pixel", "Every pixel reads the surfels of its cell (the thesis).")
 PARAM_ENUM_VALUE(kGatherHalfResolution, 1, "half_resolution", "Every fourth pixel does; the others take what lies on their own surface among the nearest four.")
+PARAM_ENUM_VALUE(kGatherSplat, 2, "splat", "Surfels are drawn like deferred lights: each into the lists of the 8x8 tiles of the screen that it may light, and pixels read their tile's.")
 PARAM_ENUM_END(SurfelGather)
+
+PARAM_ENUM_BEGIN(SurfelGridKind)
+PARAM_ENUM_VALUE(kGridUniform, 0, "uniform", "Cells of radius_max over the scene's bounds (the thesis).")
+PARAM_ENUM_VALUE(kGridCamera, 1, "camera", "Uniform cells round the camera, and beyond them cells that grow with the distance, as surfels of constant size on screen do.")
+PARAM_ENUM_END(SurfelGridKind)
 
 PARAM_GROUP_BEGIN(surfels, SurfelsParams)
 
@@ -33,13 +40,15 @@ PARAM_BOOL(fill_gaps, true, Live, "Where no surfel reaches, those of the grid's 
 PARAM_BOOL(spawn_at_hits, true, Live,
            "A ray that hits a surface without a surfel near may place one, also where the camera never looked. Off in the thesis: bounces from unseen surfaces are then lost.")
 PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit counts as having no surfel near when the surfels there weigh less than this.")
+PARAM_ENUM(grid, SurfelGridKind, kGridUniform, Rebuild, "Cells by which surfels near a point are found.")
 PARAM_INT(cell_limit, 512, 8, 4096, 16, 1024, Log, Live, "surfels", "A look-up reads at most so many surfels of its cell: those with the lowest numbers, in every frame the same. Cells beyond it are counted.")
 PARAM_FLOAT(ray_budget, 1, 0, 64, 0.25, 16, Log, Live, "rays a surfel", "Rays a frame, on average over all surfels. 0 casts none.")
+PARAM_BOOL(budget_in_view, true, Live, "ray_budget counts surfels in view whole and hidden ones by hidden_share, so that surfels left behind by a moving camera cost little. Off in the thesis: all count whole.")
 PARAM_FLOAT(rays_min, 0.25, 0, 8, 0, 1, Linear, Live, "rays", "Least a surfel gets a frame, on average over frames.")
 PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in a frame.")
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
 PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How much inconsistency (short mean against long mean, in deviations) adds to a surfel's rays.")
-PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Reset, "How rays become an estimate.")
+PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Rebuild, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
 PARAM_FLOAT(window_growth, 12, 0, 256, 1, 64, Linear, Live, "parts",
@@ -62,6 +71,7 @@ PARAM_FLOAT(recycle_fill, 0.75, 0, 1, 0.25, 1, Linear, Live, "of max_surfels", "
 PARAM_INT(recycle_frames, 120, 1, 100000, 10, 1000, Log, Live, "frames", "Neither pixel nor ray has looked at a surfel for so long: it counts as unseen.")
 PARAM_FLOAT(recycle_coverage, 6, 0.5, 64, 2, 16, Log, Live, "weight", "A surfel that all others together cover by more than this may be removed.")
 PARAM_FLOAT(recycle_chance, 0.02, 0, 1, 0.001, 0.2, Linear, Live, "probability", "Whether one that may be removed is, in this frame: if all went at once, a hole would be left.")
+PARAM_INT(freeze_frames, 0, 0, 100000, 0, 4096, Linear, Rebuild, "frames", "So many frames after a reset the cache freezes: no surfel is placed or removed any more. 0: never.")
 PARAM_INT(settle_frames, 256, 1, 100000, 16, 4096, Log, Live, "frames", "From so many frames without a change on the picture counts as settled.")
 
 PARAM_GROUP_END(surfels, SurfelsParams)

@@ -6,10 +6,13 @@ namespace hl {
 void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const SurfelsParams& params, const GpuImage& result) {
   harvest();
   const shared::SurfelFrame f = frameOf(in, params);
-  reserve(f.rays, f.candidates);
+  const bool splat = params.gather == kGatherSplat;
+  reserve(f, splat);
   recordClears(graph, f);
+  recordTileDepths(graph, f, in.gbuffer, splat);
   if (f.surfels > 0)
-    grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_, scene_.gpuScene.objectTransforms);
+    grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_, scene_.gpuScene.objectTransforms,
+                  splat ? tileDepths_ : Buffer());
   else
     graph.skip("surfels: count cells", "there is no surfel yet");
   if (f.rays > 0)
@@ -18,11 +21,14 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
     graph.skip("surfels: cast rays", f.surfels == 0 ? "there is no surfel yet" : "ray_budget is 0");
   if (f.surfels > 0) recordUpdate(graph, f, params);
   recordGather(graph, f, params, in.gbuffer, result);
-  recordPlace(graph, f, params, in.gbuffer, result);
-  if (f.surfels > 0 && params.recycle != 0)
+  if (f.frozen == 0)
+    recordPlace(graph, f, params, in.gbuffer, result);
+  else
+    graph.skip("surfels: place", "the cache is frozen");
+  if (f.surfels > 0 && params.recycle != 0 && f.frozen == 0)
     recordRecycle(graph, f, params);
   else
-    graph.skip("surfels: recycle", params.recycle == 0 ? "switched off" : "there is no surfel yet");
+    graph.skip("surfels: recycle", params.recycle == 0 ? "switched off" : f.frozen != 0 ? "the cache is frozen" : "there is no surfel yet");
   graph.compute("surfels: end frame", "surfels/end_frame.comp")
       .bind("totals", totals_, Access::ReadWrite)
       .bind("placedOrder", placeOrder_, Access::Read)
@@ -38,8 +44,21 @@ void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f) 
   if (f.frame == 0) {
     graph.clear("surfels: clear records", records_);
     graph.clear("surfels: clear estimates", states_);
-    grid_->recordEmpty(graph);
   }
+  if (f.frame == 0 || newLists_) grid_->recordEmpty(graph);
+  newLists_ = false;
+}
+
+void SurfelCache::recordTileDepths(FrameGraph& graph, const shared::SurfelFrame& f, const GBuffer& g, bool splat) {
+  if (!splat || f.surfels == 0) {
+    graph.skip("surfels: tile depths", splat ? "there is no surfel yet" : "pixels ask the grid");
+    return;
+  }
+  graph.compute("surfels: tile depths", "surfels/tile_depths.comp")
+      .bind("position", g.position, Access::Read)
+      .bind("tileDepths", tileDepths_, Access::Write)
+      .uniform("frame", f)
+      .dispatchThreads(f.width, f.height);
 }
 
 ComputePass& SurfelCache::bindLookup(ComputePass& pass, const shared::SurfelFrame& f, const SurfelsParams& params) const {
@@ -49,7 +68,8 @@ ComputePass& SurfelCache::bindLookup(ComputePass& pass, const shared::SurfelFram
       .bind("depthMoments", depth_, Access::Read)
       .uniform("frame", f)
       .uniform("surfels", params)
-      .specialize("kDepthTest", depthTest_ ? 1 : 0);
+      .specialize("kDepthTest", depthTest_ ? 1 : 0)
+      .specialize("kCameraGrid", grid_->camera() ? 1 : 0);
 }
 
 void SurfelCache::recordRays(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
@@ -127,6 +147,7 @@ void SurfelCache::recordGather(FrameGraph& graph, const shared::SurfelFrame& f, 
       .bind("geometricNormal", g.geometricNormal, Access::Read)
       .bind("result", target, Access::Write)
       .specialize("kStep", halves ? 2 : 1)
+      .specialize("kSplat", params.gather == kGatherSplat ? 1 : 0)
       .dispatchThreads(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
   if (!halves) {
     graph.skip("surfels: upsample", "every pixel gathers");

@@ -45,6 +45,9 @@ std::vector<std::pair<std::string, double>> SurfelCache::counters() {
       {"max_surfels_reached", sum(shared::kCountMaxReached)},
       {"cell_entries", last_.entries},
       {"largest_cell", last_.largestCell},
+      {"largest_tile", last_.largestTile},
+      {"surfels_in_view", last_.inView},
+      {"dropped_lists", sum(shared::kCountDroppedLists)},
       {"cell_overflows", last_.counters[shared::kCountCellOverflows]},
       {"upsample_misses", last_.counters[shared::kCountUpsampleMisses]},
       {"fireflies_cut", sum(shared::kCountFireflies)},
@@ -60,8 +63,17 @@ PickReport SurfelCache::pick(const PickedPoint& point, const SurfelsParams& para
   PickReport report;
   if (point.triangle == kNone || frame_ == 0 || last_.entries == 0) return report;
   const GridPlan& plan = grid_->plan();
-  const uvec3 cell(glm::clamp(ivec3(glm::floor((point.position - plan.origin) / plan.cellSize)), ivec3(0), ivec3(plan.size) - 1));
-  const uint32_t index = (cell.z * plan.size.y + cell.y) * plan.size.x + cell.x;
+  const shared::SurfelFrame& f = lastFrame_;
+  vec3 coordinates = (point.position - plan.origin) / plan.cellSize;
+  shared::GridRegion region{vec3(0.0f), 0, plan.size};
+  if (grid_->camera()) {
+    const vec3 q = point.position - f.eye;
+    const uint32_t which = shared::gridRegionOf(q, f.gridInner);
+    region = f.regions[which];
+    coordinates = shared::gridCoordinates(q, which, f.gridInner, f.gridEdge, f.gridPerLog) - region.low;
+  }
+  const uvec3 cell(glm::clamp(ivec3(glm::floor(coordinates)), ivec3(0), ivec3(region.size) - 1));
+  const uint32_t index = region.firstCell + (cell.z * region.size.y + cell.y) * region.size.x + cell.x;
   uint32_t range[2] = {0, 0};
   device_.download(grid_->offsets(), range, sizeof range, index * sizeof(uint32_t));
   const uint32_t held = range[1] - range[0], read = std::min(held, static_cast<uint32_t>(params.cell_limit));

@@ -35,10 +35,10 @@ vec3 heat(float t) {
 vec3 colourOf(vec3 p, vec3 n, float coverage) {
   if (what == kViewCoverage) return coverage < surfels.coverage ? vec3(0.8, 0.05, 0.05) * (0.3 + 0.7 * coverage / surfels.coverage) : heat(coverage / 6.0);
   if (what == kViewGrid) {
-    const uint cell = cellIndex(cellOf(p));
+    const uint cell = cellAt(p);
     const float count = float(cellOffsets[cell + 1u] - cellOffsets[cell]);
-    const bool odd = ((uint(cellOf(p).x) ^ uint(cellOf(p).y) ^ uint(cellOf(p).z)) & 1u) != 0u;
-    return mix(vec3(0.1, 0.7, 0.25), vec3(0.8, 0.05, 0.05), clamp((count - kFew) / (kMany - kFew), 0.0, 1.0)) * (odd ? 0.85 : 1.0);
+    const float shade = 0.75 + 0.25 * float(pcgHash(cell) & 255u) / 255.0;  // tells cells apart
+    return mix(vec3(0.1, 0.7, 0.25), vec3(0.8, 0.05, 0.05), clamp((count - kFew) / (kMany - kFew), 0.0, 1.0)) * shade;
   }
   const Gathered g = gatherAt(p, n);
   if (g.nearest == kNoSurfel) return vec3(0.5, 0.0, 0.5);

@@ -12,12 +12,20 @@ layout(scalar) buffer cell_entries { uint cellEntries[]; };
 
 void main() {
   const uint cell = gl_GlobalInvocationID.x;
-  if (cell >= frame.cells) return;
+  if (cell >= frame.lists) return;
   const uint first = cellOffsets[cell], count = cellOffsets[cell + 1u] - first;
-  if (cell == frame.cells - 1u) totals.entries = first + count;
+  if (cell == frame.lists - 1u) totals.entries = first + count;
   if (count == 0u) return;
-  atomicMax(totals.largestCell, count);
-  if (count > uint(surfels.cell_limit)) countOne(kCountCellOverflows);
+  if (first + count > frame.entriesMost) {
+    countOne(kCountDroppedLists);
+    return;
+  }
+  if (cell < frame.cells) {
+    atomicMax(totals.largestCell, count);
+    if (count > uint(surfels.cell_limit)) countOne(kCountCellOverflows);
+  } else {
+    atomicMax(totals.largestTile, count);
+  }
   // Shell's sort, with Knuth's gaps.
   uint gap = 1u;
   while (gap < count / 3u) gap = 3u * gap + 1u;

@@ -1,6 +1,7 @@
 #ifndef HALFLIGHT_SURFEL_H
 #define HALFLIGHT_SURFEL_H
 // What C++ and shaders agree on about surfels: their memory, a frame's constants, and the weight that one has at a point.
+#include "engine/techniques/surfels/grid_cells.h"
 #include "shaders/shared/interop.h"
 #include "shaders/shared/sampling.h"
 HL_BEGIN
@@ -67,7 +68,8 @@ HL_CONST uint kCountHits = 11u;       ///< on what reflects
 HL_CONST uint kCountUpsampleMisses = 12u;
 HL_CONST uint kCountUnlitHits = 13u;    ///< nothing near knows its light
 HL_CONST uint kCountUnlitPixels = 14u;
-HL_CONST uint kSurfelCounters = 15u;
+HL_CONST uint kCountDroppedLists = 15u;  ///< lists that found no room: cells stay empty, tiles ask the grid
+HL_CONST uint kSurfelCounters = 16u;
 
 /// What outlives a frame.
 struct SurfelTotals {
@@ -79,6 +81,8 @@ struct SurfelTotals {
   uint lastPriority; ///< ... of the last frame's, for this one
   uint entries;      ///< surfels in cells
   uint largestCell;
+  uint largestTile;
+  uint inView;       ///< of those alive, seen by a pixel lately
   uint counters[kSurfelCounters];
 };
 
@@ -87,8 +91,19 @@ struct SurfelFrame {
   vec3 gridOrigin;
   float cellSize;
   uvec3 gridSize;
-  uint cells;
+  uint cells;         ///< of the grid, whichever it is
+  uint lists;         ///< cells, then tiles of the screen where these have lists
+  uint entriesMost;   ///< room for surfels in lists
+  float gridInner;    ///< the camera's grid: half the cube's edge [m], a cell's edge over its distance, and 1 / log(1 + that)
+  float gridEdge;
+  float gridPerLog;
+  GridRegion regions[kGridRegions];
   vec3 eye;
+  vec3 forward;       ///< unit; then what gives the picture's coordinates in [-1, 1]: right.(p - eye) / forward.(p - eye)
+  vec3 right;
+  vec3 down;
+  uint width;         ///< pixels
+  uint height;
   float pixelAngle;   ///< a pixel's side at distance 1
   float radius;       ///< [m], sizing world
   float radiusMax;    ///< [m], sizing screen
@@ -102,10 +117,15 @@ struct SurfelFrame {
   uint candidates;    ///< tiles, then rays
   float fill;         ///< alive surfels over max_surfels at the frame's start
   float diagonal;     ///< of the scene [m]
+  uint frozen;        ///< 1: nothing is placed or removed
+  uint justFrozen;    ///< 1: since this frame
   uint lightChanged;  ///< 1: lights are not what they were
 };
 
+/// Nearer to the eye than this share of the largest radius no surfel shrinks.
+HL_CONST float kLeastRadius = 1.0f / 64.0f;
 HL_CONST uint kTilePixels = 16u;     ///< side of a placement tile
+HL_CONST uint kSplatPixels = 8u;     ///< side of a tile that lists surfels
 HL_CONST uint kShareUnit = 256u;     ///< of a ray, in which shares are counted
 HL_CONST float kPriorityUnit = 64.0f;
 HL_CONST uint kMaxPriority = 4095u;  ///< so that 2^20 of them fit a word

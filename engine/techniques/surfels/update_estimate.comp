@@ -52,7 +52,10 @@ void addSample(inout SurfelState s, vec3 value) {
   const float difference = min(luminanceOf(abs(s.mean - s.shortMean) / deviation), kMostInconsistency);
   s.inconsistency = mix(s.inconsistency, difference, kInconsistencyBlend);
   float share;
-  if (surfels.estimator == kEstimatorEma) {
+  if (surfels.estimator == kEstimatorMean && frame.frozen != 0u) {
+    share = 1.0 / (s.samples + 1.0);
+    s.samples += 1.0;
+  } else if (surfels.estimator == kEstimatorEma) {
     share = max(1.0 - surfels.hysteresis, 1.0 / (s.samples + 1.0));
     s.samples += 1.0;
   } else {
@@ -74,6 +77,8 @@ void main() {
   SurfelState s = states[id];
   if (s.priority == 0u) return;
   if (frame.lightChanged != 0u && surfels.change_samples > 0.0) s.samples = min(s.samples, surfels.change_samples);
+  // A window of the latest n-th of N samples is worth N / n of them in a plain mean.
+  if (frame.justFrozen != 0u && surfels.estimator == kEstimatorMean) s.samples /= max(1.0, windowGrowth(s.samples));
   const uint first = frame.rays > 0u ? firstRay(shareSums[id]) : 0u, end = frame.rays > 0u ? firstRay(shareSums[id + 1u]) : 0u;
   const float radius = records[kRecordTexels * id].w;
   vec3 sum = vec3(0.0);
@@ -110,6 +115,7 @@ void main() {
     records[kRecordTexels * id + 2u] = vec4(s.mean, 0.0);
   }
   const bool seen = frame.frame - s.lastSeen <= kRecentFrames;
+  if (seen) atomicAdd(totals.inView, 1u);
   const float worry = s.samples < kNewborn ? max(1.0, s.inconsistency) : s.inconsistency;
   const float priority = (seen ? 1.0 : surfels.hidden_share) * (1.0 + surfels.inconsistency_gain * worry);
   s.priority = uint(clamp(priority * kPriorityUnit, 1.0, float(kMaxPriority)));
