@@ -50,7 +50,15 @@ void writeStep(JsonWriter& w, const std::pair<std::string, StepReport>& step) {
       .member("frames_to_1_percent", s.frames1 ? static_cast<double>(*s.frames1) : kNone)
       .member("ms_to_5_percent", s.ms5.value_or(kNone))
       .member("ms_to_1_percent", s.ms1.value_or(kNone))
-      .endObject();
+      .member("left_at_end", s.left.empty() ? kNone : s.left.back())
+      .member("noise", s.noise)
+      .member("frames_to_5_percent_of_mean", s.meanFrames5 ? static_cast<double>(*s.meanFrames5) : kNone)
+      .member("frames_to_1_percent_of_mean", s.meanFrames1 ? static_cast<double>(*s.meanFrames1) : kNone);
+  w.key("left").beginArray();
+  for (const double left : s.left) w.number(left);
+  w.endArray().key("left_of_mean").beginArray();
+  for (const double left : s.meanLeft) w.number(left);
+  w.endArray().endObject();
 }
 
 /// The figure that the convergence plot shows: indirect light of the whole image against the matched reference.

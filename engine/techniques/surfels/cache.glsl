@@ -92,7 +92,7 @@ float surfelWeight(vec3 p, vec3 n, uint id, vec4 placeRadius, vec3 surfelNormal)
   float weight = surfelFalloff(t2) * max(0.0, dot(n, surfelNormal));
   if (kDepthTest && weight > 0.0) {
     const vec2 moments = depthMoments[id * kDepthSide * kDepthSide + depthTexel(to, surfelNormal)];
-    weight *= depthVisibility(moments, length(to) / placeRadius.w, surfels.depth_softness);
+    weight *= depthVisibility(moments, depthAcross(to, surfelNormal) / placeRadius.w, surfels.depth_softness);
   }
   return weight;
 }

@@ -96,7 +96,7 @@ PickReport SurfelCache::pick(const PickedPoint& point, const SurfelsParams& para
       constexpr uint32_t kTexels = shared::kDepthSide * shared::kDepthSide;
       vec2 moments;
       device_.download(depth_, &moments, sizeof moments, (id * kTexels + shared::depthTexel(to, normal)) * sizeof moments);
-      visible = shared::depthVisibility(moments, glm::length(to) / record[0].w, params.depth_softness);
+      visible = shared::depthVisibility(moments, shared::depthAcross(to, normal) / record[0].w, params.depth_softness);
     }
     const float weight = falloff * facing * visible * record[1].w;
     coverage += static_cast<double>(falloff * facing * visible);

@@ -51,7 +51,7 @@ void main() {
   records[kRecordTexels * id + 1u] = vec4(c.normal, seeded ? s.samples / (s.samples + surfels.fade_in) : 0.0);
   records[kRecordTexels * id + 2u] = vec4(s.mean, 0.0);
   if (kDepthTest)
-    for (uint t = 0u; t < kDepthSide * kDepthSide; ++t) depthMoments[id * kDepthSide * kDepthSide + t] = vec2(kDepthRange, kDepthRange * kDepthRange);
+    for (uint t = 0u; t < kDepthSide * kDepthSide; ++t) depthMoments[id * kDepthSide * kDepthSide + t] = vec2(kUnknownDepth, 0.0);
   if (kGuiding)
     for (uint t = 0u; t < kGuideTexels; ++t) guideMaps[id * kGuideTexels + t] = 0.0;
   countOne(i < frame.tiles ? kCountPlacedPixels : kCountPlacedHits);

@@ -177,12 +177,24 @@ HL_INLINE uint depthTexel(vec3 toPoint, vec3 surfelNormal) {
   return squareTexel(squareOfDisc(vec2(across.x / lengthTo, across.y / lengthTo)), kDepthSide);
 }
 
-/// Chebyshev's bound on the share of what is seen at `distance` or beyond (Donnelly and Lauritzen 2006), in radii.
+/// Nothing is known of a direction yet: it counts as open.
+HL_CONST float kUnknownDepth = -1.0f;
+
+/// How far away across its plane a surfel sees a point: what its map of distances keeps. A wall that stands on the plane is then as far for rays that meet it high
+/// up as for those at its foot.
+HL_INLINE float depthAcross(vec3 toPoint, vec3 surfelNormal) {
+  float along = dot(toPoint, surfelNormal);
+  return sqrt(max(0.0f, dot(toPoint, toPoint) - along * along));
+}
+
+/// Chebyshev's bound on the share of what is seen at `distance` or beyond (Donnelly and Lauritzen 2006), in radii; its third power, as usual, against what is left
+/// of the other side's light just behind a wall (Majercik et al. 2019).
 HL_INLINE float depthVisibility(vec2 moments, float distance, float softness) {
-  if (distance <= moments.x) return 1.0f;
+  if (moments.x < 0.0f || distance <= moments.x) return 1.0f;
   float variance = max(moments.y - moments.x * moments.x, softness * softness);
   float beyond = distance - moments.x;
-  return variance / (variance + beyond * beyond);
+  float bound = variance / (variance + beyond * beyond);
+  return bound * bound * bound;
 }
 
 HL_END
