@@ -13,7 +13,9 @@ std::string stepText(const std::pair<std::string, StepReport>& step) {
     return frames ? fmt::format("{} left from frame {} on ({:.2f} s)", share, *frames, *ms / 1000) : fmt::format("{} left not reached in {} frames", share, s.left.size());
   };
   if (s.size == 0) return fmt::format("step {}: it changes nothing in the indirect light\n", step.first);
-  return fmt::format("step {}: {}, {}\n", step.first, reached(s.frames5, s.ms5, "5 %"), reached(s.frames1, s.ms1, "1 %"));
+  const auto ofMean = [](const std::optional<uint64_t>& frames) { return frames ? fmt::format("{}", *frames) : std::string("n/a"); };
+  return fmt::format("step {}: {}, {}; {:.2g} at the end, noise {:.2g}; of the mean 5 % from frame {}, 1 % from {}\n", step.first, reached(s.frames5, s.ms5, "5 %"),
+                     reached(s.frames1, s.ms1, "1 %"), s.left.back(), s.noise, ofMean(s.meanFrames5), ofMean(s.meanFrames1));
 }
 
 /// Not a number means that it is not known.
@@ -24,6 +26,7 @@ std::string bytesText(uint64_t bytes) { return fmt::format("{:.1f} MiB", static_
 /// A pass that has nothing to do any more still shows what it took while it had.
 std::string passLine(const PassStatistics& p) {
   if (!p.skipped.empty() && !(p.medianMs > 0)) return fmt::format("  {:<40} skipped: {}\n", p.name, p.skipped);
+  if (!(p.medianMs > 0)) return fmt::format("  {:<40} {:<4} not measured\n", p.name, p.where);
   return fmt::format("  {:<40} {:<4} {:9.3f} {:9.3f} {:9.3f}{}\n", p.name, p.where, p.medianMs, p.p5Ms, p.p95Ms,
                      p.skipped.empty() ? "" : fmt::format("  (now skipped: {})", p.skipped));
 }
@@ -35,7 +38,10 @@ std::string resultsText(const RunResults& r) {
   constexpr double kUnaccountedLimit = 0.1;
   std::string out = fmt::format("{}, {}, {}x{}, {} frames on {}, rays by {}\n", f.preset.scene, f.preset.technique,
                                 f.width, f.height, f.frame, f.provenance.device, f.provenance.tracer);
-  out += fmt::format("frame {:.2f} ms (p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.p5Ms,
+  if (!(f.frameTime.medianMs > 0))
+    out += "frame not measured: the first is warm-up\n";
+  else
+    out += fmt::format("frame {:.2f} ms (p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.p5Ms,
                      f.frameTime.p95Ms, f.provenance.timing == "serialised" ? ", passes timed apart" : "");
   if (f.unaccounted > kUnaccountedLimit) out += fmt::format("{:.0f} % of the frame is in no pass\n", 100 * f.unaccounted);
   if (f.workUnits > 0) out += fmt::format("work {:.2f} s in {} units\n", f.workMs / 1000, f.workUnits);

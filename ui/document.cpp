@@ -248,6 +248,7 @@ void Document::onOpened(const Preset& preset, const QString& from) {
   for (const std::string& w : preset.warnings) warnings << QString::fromStdString(w);
   Preset before = std::exchange(preset_, preset);
   preset_.warnings.clear();
+  readInPart_ = !warnings.isEmpty();
   otherTechniques_.clear();
   sceneLights_.reset();
   if (first_)
@@ -292,6 +293,7 @@ void Document::announceAll() {
 
 void Document::save(const QString& path) {
   preset_.file = path.toStdString();
+  readInPart_ = false;
   saving_ = savedForm();
   link_.savePreset(preset_, path);
   emit presetChanged();

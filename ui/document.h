@@ -54,6 +54,8 @@ class Document : public QObject {
   void save(const QString& path);
   QString path() const { return QString::fromStdString(preset_.file.string()); }
   bool modified() const { return modified_; }
+  /// Not all of the file was understood, or it is of another version: saving over it would lose what it holds.
+  bool readInPart() const { return readInPart_; }
   /// The whole experiment to a session that was started anew.
   void sendAll();
   /// True until the answer to open() or openScene() is there.
@@ -99,7 +101,7 @@ class Document : public QObject {
   std::shared_ptr<const Scene> scene_;
   quint64 lastDrag_ = 0, edits_ = 0;
   int opening_ = 0;
-  bool modified_ = false, first_ = true;
+  bool modified_ = false, first_ = true, readInPart_ = false;
 };
 
 LightEdits lightsOf(const Scene&);

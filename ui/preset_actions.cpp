@@ -109,8 +109,8 @@ void PresetActions::openSceneFile() {
 }
 
 void PresetActions::save() {
-  // A bundle is more than its preset: that is saved as a file of its own.
-  if (document_.path().isEmpty() || isBundleFile(document_.path().toStdString()))
+  // A bundle is more than its preset: that is saved as a file of its own. So is what was read in part.
+  if (document_.path().isEmpty() || document_.readInPart() || isBundleFile(document_.path().toStdString()))
     saveAs();
   else
     document_.save(document_.path());

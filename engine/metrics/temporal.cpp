@@ -80,38 +80,49 @@ FlickerResult FlickerMeter::result(const Mask& mask) const {
 
 TransientMeter::TransientMeter(Image before, Image after, Mask mask) : after_(std::move(after)), mask_(std::move(mask)) {
   requireMaskOf(mask_, after_.pixels());
-  response_.size = distance(before, after_);
+  const Difference step = difference(before, after_);
+  response_.size = step.rms, meanStep_ = std::abs(step.mean);
   if (!std::isfinite(response_.size)) throw badInput("step response: the picture before or after the step is not finite");
   if (response_.size == 0) throw badInput("step response: the step changes nothing in the picture");
 }
 
-double TransientMeter::distance(const Image& a, const Image& b) const {
+TransientMeter::Difference TransientMeter::difference(const Image& a, const Image& b) const {
   if (a.width != b.width || a.height != b.height || a.channels != b.channels)
     throw badInput(fmt::format("step response: images of {} x {} pixels with {} channels and of {} x {} with {}", a.width, a.height, a.channels, b.width, b.height,
                                b.channels));
   const size_t stride = static_cast<size_t>(a.channels), used = std::min<size_t>(stride, 3);
-  double sum = 0;
+  double sum = 0, mean = 0;
   uint64_t values = 0;
   for (size_t i = 0; i < a.pixels(); ++i) {
     if (!counts(mask_, i)) continue;
     for (size_t c = 0; c < used; ++c) {
       const double off = static_cast<double>(a.data[i * stride + c]) - static_cast<double>(b.data[i * stride + c]);
-      sum += off * off, ++values;
+      sum += off * off, mean += off, ++values;
     }
   }
-  return values > 0 ? std::sqrt(sum / static_cast<double>(values)) : 0;
+  if (values == 0) return {};
+  return {std::sqrt(sum / static_cast<double>(values)), mean / static_cast<double>(values)};
 }
 
 double TransientMeter::add(const Image& frame) {
-  const double left = distance(frame, after_) / response_.size;
+  const Difference off = difference(frame, after_);
+  const double left = off.rms / response_.size;
   if (!std::isfinite(left)) throw Error(ErrorKind::Run, fmt::format("step response: frame {} is not finite", response_.left.size() + 1));
   response_.left.push_back(left);
+  response_.meanLeft.push_back(meanStep_ > 0 ? std::abs(off.mean) / meanStep_ : left);
+  return left;
+}
+
+double TransientMeter::leftBy(const Image& settled) const {
+  const double left = difference(settled, after_).rms / response_.size;
+  if (!std::isfinite(left)) throw Error(ErrorKind::Run, "step response: a frame of the settled picture is not finite");
   return left;
 }
 
 StepResponse TransientMeter::result() const {
   StepResponse r = response_;
   r.frames5 = settledAt(r.left, 0.05), r.frames1 = settledAt(r.left, 0.01);
+  r.meanFrames5 = settledAt(r.meanLeft, 0.05), r.meanFrames1 = settledAt(r.meanLeft, 0.01);
   return r;
 }
 

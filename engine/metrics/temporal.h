@@ -35,6 +35,9 @@ struct StepResponse {
   double size = 0;                         ///< rms of what the step changes
   std::optional<uint64_t> frames5, frames1;  ///< the first frame (from 1) from which on at most 5 %, 1 % of the step was left; none: not within those seen
   std::vector<double> left;                ///< by frame: rms(frame - after) / rms(before - after)
+  /// The same of the mean over pixels and channels, in which noise of single pixels has no part: |mean(frame - after)| / |mean(before - after)|.
+  std::vector<double> meanLeft;
+  std::optional<uint64_t> meanFrames5, meanFrames1;
 };
 
 /// How long a picture takes to follow a step: from `before` to `after`, both as they stand when nothing moves any more.
@@ -45,11 +48,17 @@ class TransientMeter {
   TransientMeter(Image before, Image after, Mask mask = {});
   /// The next frame; returns the share of the step that is left. @throws Error(BadInput) for another size, Error(Run) where a value is not finite.
   double add(const Image& frame);
+  /// What a frame of the settled picture would leave: the noise below which `left` cannot fall. @throws as add
+  double leftBy(const Image& settled) const;
   StepResponse result() const;
 
  private:
-  double distance(const Image&, const Image&) const;
+  struct Difference {
+    double rms = 0, mean = 0;
+  };
+  Difference difference(const Image&, const Image&) const;
   Image after_;
+  double meanStep_ = 0;
   Mask mask_;
   StepResponse response_;
 };

@@ -26,14 +26,17 @@ void writeProvenance(JsonWriter& w, const Provenance& p, const std::string& imag
   w.endObject();
 }
 
+/// A time that no frame has given (a pass's first is warm-up) is null: 0 would read as infinitely fast.
+double measured(double ms, double medianMs) { return medianMs > 0 ? ms : std::numeric_limits<double>::quiet_NaN(); }
+
 void writePass(JsonWriter& w, const PassStatistics& p, const char* during) {
   w.beginObject()
       .member("name", p.name)
       .member("where", p.where)
       .member("during", during)
-      .member("median_ms", p.medianMs)
-      .member("p5_ms", p.p5Ms)
-      .member("p95_ms", p.p95Ms)
+      .member("median_ms", measured(p.medianMs, p.medianMs))
+      .member("p5_ms", measured(p.p5Ms, p.medianMs))
+      .member("p95_ms", measured(p.p95Ms, p.medianMs))
       .key("skipped");
   p.skipped.empty() ? w.null() : w.text(p.skipped);
   w.endObject();
@@ -47,7 +50,15 @@ void writeStep(JsonWriter& w, const std::pair<std::string, StepReport>& step) {
       .member("frames_to_1_percent", s.frames1 ? static_cast<double>(*s.frames1) : kNone)
       .member("ms_to_5_percent", s.ms5.value_or(kNone))
       .member("ms_to_1_percent", s.ms1.value_or(kNone))
-      .endObject();
+      .member("left_at_end", s.left.empty() ? kNone : s.left.back())
+      .member("noise", s.noise)
+      .member("frames_to_5_percent_of_mean", s.meanFrames5 ? static_cast<double>(*s.meanFrames5) : kNone)
+      .member("frames_to_1_percent_of_mean", s.meanFrames1 ? static_cast<double>(*s.meanFrames1) : kNone);
+  w.key("left").beginArray();
+  for (const double left : s.left) w.number(left);
+  w.endArray().key("left_of_mean").beginArray();
+  for (const double left : s.meanLeft) w.number(left);
+  w.endArray().endObject();
 }
 
 /// The figure that the convergence plot shows: indirect light of the whole image against the matched reference.
@@ -99,9 +110,9 @@ void writeResultMembers(JsonWriter& w, const RunResults& r) {
   if (animated(*f.scene) || !f.preset.animation.cameraPath.empty()) w.member("time_s", f.time);
   w.key("frame_ms")
       .beginObject()
-      .member("median", f.frameTime.medianMs)
-      .member("p5", f.frameTime.p5Ms)
-      .member("p95", f.frameTime.p95Ms)
+      .member("median", measured(f.frameTime.medianMs, f.frameTime.medianMs))
+      .member("p5", measured(f.frameTime.p5Ms, f.frameTime.medianMs))
+      .member("p95", measured(f.frameTime.p95Ms, f.frameTime.medianMs))
       .member("unaccounted_share", f.unaccounted)
       .endObject();
   w.member("prepare_ms", f.prepareMs);

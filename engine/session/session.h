@@ -59,6 +59,10 @@ struct StepReport {
   std::optional<uint64_t> frames5, frames1;  ///< from which on at most 5 %, 1 % of it are left; none: not within the frames that were rendered
   std::optional<double> ms5, ms1;
   std::vector<double> left;                ///< by frame
+  double noise = 0;                        ///< share of the step that frames of the settled picture leave by their own noise: `left` falls no lower
+  /// The same of the image's mean, which noise of single pixels hardly moves.
+  std::vector<double> meanLeft;
+  std::optional<uint64_t> meanFrames5, meanFrames1;
   bool settled = false;                    ///< at the last of them
 };
 
@@ -206,7 +210,8 @@ class Session {
   std::vector<ErrorValue> measureFlicker(int frames, Progress* = nullptr);
   /// That the scene has what the step changes. @throws Error(BadInput) for an unknown key, a value out of range, or a scene without lights to edit.
   void checkStep(const Step&) const;
-  /// Settles after the step and before it, then takes the step and renders until nothing changes any more, at most `mostFrames` frames. The step stays.
+  /// Settles after the step (the mean of sixteen settled frames is what is converged to) and, from a reset, before it, then takes the step and renders until nothing changes
+  /// any more, at most `mostFrames` frames. The step stays.
   /// @throws Error(BadInput) as checkStep.
   StepReport measureStep(const Step&, int mostFrames, Progress* = nullptr);
   Provenance provenance() const;

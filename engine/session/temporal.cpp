@@ -14,6 +14,19 @@
 namespace hl {
 namespace {
 
+/// Of the settled picture: a technique that works every frame shows another noise in each.
+constexpr size_t kSettledFrames = 16;
+
+Image meanOf(const std::vector<Image>& images) {
+  Image mean = images.front();
+  for (size_t i = 0; i < mean.data.size(); ++i) {
+    double sum = 0;
+    for (const Image& image : images) sum += static_cast<double>(image.data[i]);
+    mean.data[i] = static_cast<float>(sum / static_cast<double>(images.size()));
+  }
+  return mean;
+}
+
 struct Lights {
   std::vector<PointLight> points;
   std::vector<SpotLight> spots;
@@ -124,9 +137,13 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   // Both ends first, so that each frame is compared with where the picture will be and none has to be kept.
   apply(true);
   settle(&p);
-  const Image after = s.indirectIrradiance();
+  std::vector<Image> settled{s.indirectIrradiance()};
+  while (settled.size() < kSettledFrames && s.technique->framesToSettle() > 0) frame(&p), settled.push_back(s.indirectIrradiance());
+  const Image after = meanOf(settled);
   const Mask mask = s.surfaceMask();
   apply(false);
+  // A cache that has been where the step leads would know the answer.
+  if (s.technique->framesToSettle() > 0) resetTechnique();
   settle(&p);
   // A cut leaves no pixel as it was: what is left is measured against all of the settled picture.
   const Image now = step.ofCamera() ? Image(after.width, after.height, after.channels) : s.indirectIrradiance();
@@ -134,6 +151,9 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   StepReport report;
   if (now.data == after.data) return report;
   TransientMeter meter(now, after, anySet(mask) ? mask : Mask());
+  double squares = 0;
+  for (const Image& image : settled) squares += meter.leftBy(image) * meter.leftBy(image);
+  report.noise = std::sqrt(squares / static_cast<double>(settled.size()));
   std::vector<double> ms;
   const double start = nowMs();
   for (int i = 0; i < mostFrames; ++i) {
@@ -146,6 +166,7 @@ StepReport Session::measureStep(const Step& step, int mostFrames, Progress* prog
   }
   const StepResponse r = meter.result();
   report.size = r.size, report.left = r.left, report.frames5 = r.frames5, report.frames1 = r.frames1;
+  report.meanLeft = r.meanLeft, report.meanFrames5 = r.meanFrames5, report.meanFrames1 = r.meanFrames1;
   if (r.frames5) report.ms5 = ms[*r.frames5 - 1];
   if (r.frames1) report.ms1 = ms[*r.frames1 - 1];
   return report;

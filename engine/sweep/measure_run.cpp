@@ -159,7 +159,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   for (const ErrorAt& at : record.convergence) history->push_back({at.frames, at.ms, at.ms, at.errors});
   whole->convergence = history;
   results.frame = whole;
-  record.frameTime = whole->frameTime;
+  record.frameTime = whole->frameTime, record.unaccounted = whole->unaccounted;
   record.passes = whole->passes, record.workPasses = whole->workPasses;
   record.techniqueMs = ownPasses(*whole);
   record.prepareMs = whole->prepareMs, record.workMs = whole->workMs;

@@ -31,12 +31,13 @@ std::string header(const SweepResults& r) {
   std::string stop = "until settled";
   if (r.experiment.stop.kind == StopRule::Kind::Frames) stop = fmt::format("{} frames after the bake", r.experiment.stop.amount);
   if (r.experiment.stop.kind == StopRule::Kind::Milliseconds) stop = fmt::format("{} ms of work and frames", r.experiment.stop.amount);
-  std::string out = fmt::format("# {} configurations, {} seeds, {} repeats\n\n", r.configurations.size(), r.experiment.seeds.size(), r.experiment.repeats);
+  const auto count = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  std::string out = fmt::format("# {}, {}, {}\n\n", count(r.configurations.size(), "configuration"), count(r.experiment.seeds.size(), "seed"), count(static_cast<size_t>(r.experiment.repeats), "repeat"));
   out += fmt::format("{} of {} runs done", r.done() - r.failed(), r.plan.size());
   out += r.failed() ? fmt::format(", **{} failed**.\n\n", r.failed()) : ".\n\n";
   out += fmt::format("- commit {}{}\n- device {}, driver {}, {}, rays by {}, {} timing\n- {} host threads\n- each run: {}\n\n", p.commit,
                      p.dirty ? " with changes that are in no commit" : "", p.device, p.driver, p.api, p.tracer, p.timing, r.hostThreads, stop);
-  return out + "± is half of a 95 % confidence interval over seeds. Times are medians over runs. Errors are of indirect irradiance over the whole picture.\n\n";
+  return out + fmt::format("± is half of a 95 % confidence interval over seeds. Times are medians over the {} runs of a configuration, and their 5th and 95th percentiles; what a front adds to a frame's time is at least the uncertainty of a run's own median. Errors are of indirect irradiance over the whole picture.\n\n", r.experiment.seeds.size() * static_cast<size_t>(r.experiment.repeats));
 }
 
 const ErrorSummary* plotted(const ConfigurationSummary& c, const std::string& reference, const std::string& metric) {
@@ -75,6 +76,12 @@ std::string configurationTable(const SweepResults& r, const Summary& s, size_t p
     }
     out += "\n";
   }
+  constexpr double kUnaccountedLimit = 0.1;
+  std::string unaccounted;
+  for (const ConfigurationSummary& c : s.configurations)
+    if (c.problem == problem && c.unaccounted > kUnaccountedLimit)
+      unaccounted += fmt::format("{}{} ({:.0f} %)", unaccounted.empty() ? "" : "; ", cell(r.configurations[c.configuration].label()), 100 * c.unaccounted);
+  if (!unaccounted.empty()) out += "\nOf these a frame's time is in no pass to more than a tenth, so their passes do not tell the whole: " + unaccounted + ".\n";
   return out + "\n";
 }
 

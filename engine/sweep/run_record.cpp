@@ -54,7 +54,7 @@ void writeErrors(JsonWriter& w, const std::vector<ErrorValue>& errors) {
 PassStatistics passOf(const json& p) {
   PassStatistics out;
   out.name = p.at("name"), out.where = p.at("where");
-  out.medianMs = value(p, "median_ms"), out.p5Ms = value(p, "p5_ms"), out.p95Ms = value(p, "p95_ms");
+  out.medianMs = numberOr(p, "median_ms", 0), out.p5Ms = numberOr(p, "p5_ms", 0), out.p95Ms = numberOr(p, "p95_ms", 0);
   if (!p.at("skipped").is_null()) out.skipped = p.at("skipped");
   return out;
 }
@@ -134,7 +134,8 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
     r.provenance.driver = p.at("driver"), r.provenance.api = p.at("api"), r.provenance.tracer = p.at("tracer"), r.provenance.timing = p.at("timing");
     if (d.contains("frame_ms")) {
       const json& f = d.at("frame_ms");
-      r.frameTime.medianMs = value(f, "median"), r.frameTime.p5Ms = value(f, "p5"), r.frameTime.p95Ms = value(f, "p95");
+      r.frameTime.medianMs = numberOr(f, "median", 0), r.frameTime.p5Ms = numberOr(f, "p5", 0), r.frameTime.p95Ms = numberOr(f, "p95", 0);
+      r.unaccounted = numberOr(f, "unaccounted_share", 0);
       r.prepareMs = value(d, "prepare_ms"), r.workMs = value(d.at("work"), "ms");
       r.imageHash = d.at("image").at("hash");
       for (const json& pass : d.at("passes")) (pass.at("during") == "work" ? r.workPasses : r.passes).push_back(passOf(pass));

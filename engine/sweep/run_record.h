@@ -43,6 +43,7 @@ struct RunRecord {
   bool overLimit = false;          ///< it failed since it took longer than the experiment's limit
   uint32_t frames = 0;             ///< that the picture took
   PassStatistics frameTime;        ///< frames as they are once the work has settled
+  double unaccounted = 0;          ///< share of a frame's time that is in no pass
   std::vector<PassStatistics> passes, workPasses;  ///< of a frame; of a unit of work
   double techniqueMs = 0;          ///< of a frame: median of the technique's own passes
   double prepareMs = 0, workMs = 0;

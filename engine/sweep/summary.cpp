@@ -151,11 +151,14 @@ std::vector<PassSummary> passesOf(const SweepResults& r, const std::vector<size_
   return out;
 }
 
+// Of a median over at least 5 frames: 1.96 * 1.253 sigma / sqrt(5), with sigma a 3.29th of what lies between the 5th and the 95th percentile.
+constexpr double kMedianHalfWidth = 0.334;
+
 ConfigurationSummary summaryOf(const SweepResults& r, size_t configuration, size_t problem) {
   ConfigurationSummary c;
   c.configuration = configuration, c.problem = problem;
   std::vector<size_t> good;
-  std::vector<double> frame, technique, prepare, work, total;
+  std::vector<double> frame, frameWidth, technique, prepare, work, total;
   std::string transport;
   for (size_t i = 0; i < r.plan.size(); ++i) {
     if (r.plan[i].configuration != configuration || !r.runs[i]) continue;
@@ -167,10 +170,13 @@ ConfigurationSummary summaryOf(const SweepResults& r, size_t configuration, size
     }
     good.push_back(i);
     frame.push_back(run.frameTime.medianMs), technique.push_back(run.techniqueMs), prepare.push_back(run.prepareMs);
+    frameWidth.push_back(kMedianHalfWidth * (run.frameTime.p95Ms - run.frameTime.p5Ms));
+    c.unaccounted = std::max(c.unaccounted, run.unaccounted);
     work.push_back(run.workMs), total.push_back(run.totalMs);
     c.frames = run.frames, c.deviceBytes = static_cast<double>(run.deviceBytes), c.techniqueBytes = static_cast<double>(run.techniqueBytes);
     transport = run.transport;
   }
+  c.frameMedianMs = spreadOf(frameWidth).median;
   c.frameMs = spreadOf(frame), c.techniqueMs = spreadOf(technique), c.prepareMs = spreadOf(prepare), c.workMs = spreadOf(work), c.totalMs = spreadOf(total);
   if (good.empty()) return c;
   c.passes = passesOf(r, good, &RunRecord::passes), c.workPasses = passesOf(r, good, &RunRecord::workPasses);
@@ -246,13 +252,14 @@ double badness(const std::string& metric, double value) {
 }
 
 Spread costOf(const ConfigurationSummary& c, FrontAxis axis, int amortiseFrames) {
+  const Spread frame = {c.frameMs.median, std::min(c.frameMs.p5, c.frameMs.median - c.frameMedianMs), std::max(c.frameMs.p95, c.frameMs.median + c.frameMedianMs)};
   switch (axis) {
     case FrontAxis::Frame:
-      return c.frameMs;
+      return frame;
     case FrontAxis::Total:
       return c.totalMs;
     case FrontAxis::Amortised:
-      return {c.amortisedMs(amortiseFrames), c.frameMs.p5 + (c.prepareMs.p5 + c.workMs.p5) / amortiseFrames, c.frameMs.p95 + (c.prepareMs.p95 + c.workMs.p95) / amortiseFrames};
+      return {c.amortisedMs(amortiseFrames), frame.p5 + (c.prepareMs.p5 + c.workMs.p5) / amortiseFrames, frame.p95 + (c.prepareMs.p95 + c.workMs.p95) / amortiseFrames};
     case FrontAxis::Memory:
       return {c.techniqueBytes, c.techniqueBytes, c.techniqueBytes};
   }

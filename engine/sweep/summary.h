@@ -42,6 +42,8 @@ struct ConfigurationSummary {
   int runs = 0, failed = 0;
   std::string failure;       ///< the first
   Spread frameMs, techniqueMs, prepareMs, workMs, totalMs;  ///< over runs; frameMs: of the runs' medians
+  double frameMedianMs = 0;  ///< half-width that a run's own median has, by the spread of its frames: runs may agree by chance
+  double unaccounted = 0;    ///< share of a frame's time that is in no pass, at most over runs
   std::vector<PassSummary> passes, workPasses;  ///< of a frame; of a unit of work
   double frames = 0;         ///< until the stop rule
   double deviceBytes = 0, techniqueBytes = 0;

@@ -100,7 +100,7 @@ void Sweep::takeUp() {
       if (record.failed.empty() && wantsVariance(r.experiment, run) && !fs::exists(variancePictureOf(r.folder, run))) continue;
       if (record.key == run.key) r.runs[i] = std::move(record);
     } catch (const Error& e) {
-      logWarning(fmt::format("{}; the run is made again", e.what()));
+      logWarning(fmt::format("{}; it counts as not made", e.what()));
     }
   }
   takeProvenance();
@@ -240,6 +240,13 @@ void Sweep::run(Session& session, Progress& p) {
   SweepResults& r = results_;
   std::error_code failed;
   for (const char* part : {"runs", "path_tracer"}) fs::create_directories(r.folder / part, failed);
+  if (const fs::path kept = r.folder / "experiment.json"; fs::exists(kept)) {
+    try {
+      loadExperiment(kept);
+    } catch (const Error& e) {
+      throw badInput(fmt::format("{}: it would be written over, and is no experiment ({}): another folder is wanted", kept.string(), e.what()));
+    }
+  }
   if (failed) throw badInput(fmt::format("{}: the folder cannot be made: {}", r.folder.string(), failed.message()));
   r.cpuDevice = session.device().isCpu();
   r.hostThreads = session.hostThreads();
@@ -248,7 +255,7 @@ void Sweep::run(Session& session, Progress& p) {
       if (run && !run->failed.empty() && !run->overLimit) run.reset();  // the cause may be mended
     session.load(r.plan.front().preset, &p);
     checkSameMachine(session);
-    saveExperiment(r.experiment, r.folder / "experiment.json");
+    if (const fs::path kept = r.folder / "experiment.json"; !fs::exists(kept) || !fs::exists(r.experiment.file) || !fs::equivalent(kept, r.experiment.file)) saveExperiment(r.experiment, kept);
     if (!r.complete()) {
       traceReferences(session, p);
       warmUp(session, p);

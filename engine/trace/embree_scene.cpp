@@ -102,7 +102,8 @@ struct EmbreeScene::Impl {
       rtcSetGeometryIntersectFilterFunction(g, keep);
       rtcSetGeometryOccludedFilterFunction(g, keep);
     }
-    if (moves) rtcSetGeometryBuildQuality(g, RTC_BUILD_QUALITY_REFIT), geometries[id] = g;
+    rtcSetGeometryBuildQuality(g, moves ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_HIGH);
+    if (moves) geometries[id] = g;
     rtcCommitGeometry(g);
     rtcAttachGeometryByID(scene, g, id);
     rtcReleaseGeometry(g);
@@ -161,7 +162,8 @@ EmbreeScene::EmbreeScene(const Scene& scene, Progress* progress) : scene_(scene)
   const std::vector<bool> moving = movingTriangles(scene);
   // A tree a geometry under a common one, so that only what moves is touched. Without moving objects one tree over all is faster.
   rtcSetSceneFlags(im.scene, moving.empty() ? RTC_SCENE_FLAG_ROBUST : static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
-  rtcSetSceneBuildQuality(im.scene, RTC_BUILD_QUALITY_HIGH);
+  // Embree keeps a tree for each geometry, each of a quality of its own, only in scenes of low quality: in others every commit builds all anew.
+  rtcSetSceneBuildQuality(im.scene, moving.empty() ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_LOW);
   if (progress) {
     progress->begin("building ray tracing tree", 1000);
     rtcSetSceneProgressMonitorFunction(

@@ -71,6 +71,18 @@ TEST(CliRender, PlaysAScene) {
   }
 }
 
+TEST(CliRender, ATimeThatWasNotMeasuredIsNoZero) {
+  const std::vector<std::string> one = {"render", "cornell_box", "--technique", "none", "--resolution", "32x24", "--frames", "1"};
+  std::vector<std::string> asJson = one;
+  asJson.push_back("--json");
+  const CliResult r = runCli(asJson), text = runCli(one);
+  ASSERT_EQ(r.code, 0) << r.err;
+  const json d = json::parse(r.out);
+  EXPECT_TRUE(d.at("frame_ms").at("median").is_null()) << d.at("frame_ms");
+  for (const json& p : d.at("passes")) EXPECT_TRUE(p.at("median_ms").is_null() || p.at("median_ms") > 0) << p;
+  EXPECT_NE(text.out.find("frame not measured"), std::string::npos) << text.out;
+}
+
 TEST(CliRender, PrintsTheDocumentOfTheDesign) {
   const TemporaryFolder folder;
   const CliResult r = runCli(tiny({"render", "cornell_box", "--json", "--metrics", "relmse,bias", "--errors-of",

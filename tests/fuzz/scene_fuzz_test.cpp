@@ -8,12 +8,14 @@
 
 #include "engine/core/files.h"
 #include "engine/core/log.h"
+#include "engine/scene/animation.h"
 #include "engine/scene/gltf_check.h"
 #include "engine/scene/mesh_import.h"
 #include "engine/scene/mtl_file.h"
 #include "engine/scene/obj_check.h"
 #include "engine/scene/scene_description.h"
 #include "engine/scene/scene_file.h"
+#include "engine/scene/scene_pose.h"
 #include "tests/mesh_files.h"
 #include "tests/temporary_folder.h"
 
@@ -168,6 +170,27 @@ TEST_F(SceneFuzz, SceneJson) {
         const Scene scene = loadScene((folder / "room.json").string());
         EXPECT_FALSE(scene.cameras.empty());
         EXPECT_LE(scene.triangles(), 20000000u);
+      });
+}
+
+/// What reads is animated as it says: any moment has a pose.
+TEST_F(SceneFuzz, AnimationsAndPaths) {
+  run(R"({"version": 1, "shapes": [{"type": "box", "name": "b", "min": [0, 0, 0], "max": [1, 1, 1], "material": "wall"}],
+ "materials": {"wall": {"albedo": 0.5}}, "lights": [{"type": "point", "name": "lamp", "position": [0, 1, 0], "intensity": 3}],
+ "cameras": [{"name": "a", "position": [0, 0, 1], "target": [0, 0, 0]}],
+ "animations": [{"name": "turn", "objects": ["b"], "repeat": "ping_pong", "eased": true, "pivot": [0, 1, 0], "axis": [0, 1, 0],
+   "keys": [{"time": 0}, {"time": 1.5, "angle_degrees": 90, "translation": [1, 0, 0], "scale": 2}]},
+   {"light": "lamp", "repeat": "loop", "keys": [{"time": 0, "intensity_factor": 1, "position": [0, 1, 0]}, {"time": 2, "intensity_factor": 2, "position": [1, 1, 0]}]}],
+ "camera_paths": [{"name": "walk", "keys": [{"time": 0, "position": [0, 0, 1], "target": [0, 0, 0]}, {"time": 2, "position": [1, 0, 1], "target": [0, 0, 0], "vertical_fov_degrees": 50}]}]})",
+      kJsonWords, true, [&](const std::string& s) {
+        test::writeText(folder / "moves.json", s);
+        Scene scene = loadScene((folder / "moves.json").string());
+        ScenePose pose(scene);
+        for (const double time : {0.0, 0.7, 31.0}) {
+          pose.apply(scene, time);
+          for (const vec3& p : scene.positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) << s;
+          for (const CameraPath& path : scene.cameraPaths) EXPECT_TRUE(std::isfinite(cameraAt(path, time).position.x)) << s;
+        }
       });
 }
 

@@ -203,6 +203,37 @@ class ScreenshotTest : public QObject {
     QVERIFY(link_->latest()->message.empty());  // it would be told twice
   }
 
+  /// Ctrl+S would drop what this version does not know of the file: it asks where to save instead.
+  void aNewerPresetIsNotSavedOver() {
+    QJsonObject preset = QJsonDocument::fromJson(QByteArray::fromStdString(presetJson(made_))).object();
+    preset["version"] = kPresetVersion + 1;
+    preset["hologram"] = true;
+    const QByteArray text = QJsonDocument(preset).toJson();
+    const QString path = file("newer.json", text);
+    QSignalSpy opened(&document(), &Document::openedFile);
+    drop(path);
+    QTRY_COMPARE_WITH_TIMEOUT(opened.size(), 1, kLongest);
+    QCOMPARE(document().path(), path);
+    QSignalSpy saved(link_.get(), &EngineLink::saved);
+    const auto triggerSave = [&] {
+      for (QAction* action : window_->findChildren<QAction*>())
+        if (action->shortcut() == QKeySequence(QKeySequence::Save)) action->trigger();
+    };
+    triggerSave();
+    auto* dialog = window_->findChild<QFileDialog*>();
+    QVERIFY(dialog);
+    const QString copy = folder_.filePath("known.json");
+    emit dialog->fileSelected(copy);
+    dialog->close();
+    QTRY_COMPARE_WITH_TIMEOUT(saved.size(), 1, kLongest);
+    QTRY_VERIFY(!window_->findChild<QFileDialog*>());
+    QCOMPARE(bytesOf(path), text);
+    QCOMPARE(document().path(), copy);
+    triggerSave();  // that one is this version's own
+    QVERIFY(!window_->findChild<QFileDialog*>());
+    QTRY_COMPARE_WITH_TIMEOUT(saved.size(), 2, kLongest);
+  }
+
   void badOnesAreRefusedInOneLine_data() {
     QTest::addColumn<QString>("path");
     const QByteArray png = bytesOf(folder_.filePath("shot.png"));

@@ -109,6 +109,23 @@ TEST(StepResponse, CountsFromTheLastFrameThatWasTooFarOff) {
   EXPECT_FALSE(TransientMeter(constant(0), constant(1)).result().frames5);
 }
 
+/// Noise of single pixels stands in the way of the rms and not of the mean.
+TEST(StepResponse, NoiseIsToldApartFromTheMean) {
+  TransientMeter meter(constant(0), constant(1));
+  const auto noisy = [](float level) {
+    Image frame = constant(level);
+    for (size_t i = 0; i < frame.data.size(); ++i) frame.data[i] += i % 2 ? 0.1f : -0.1f;
+    return frame;
+  };
+  EXPECT_NEAR(meter.leftBy(noisy(1)), 0.1, 1e-6);
+  EXPECT_TRUE(meter.result().left.empty()) << "it is not one of the frames that follow";
+  for (const float level : {0.5f, 0.96f, 0.995f, 1.0f}) EXPECT_NEAR(meter.add(noisy(level)), std::hypot(1 - level, 0.1f), 1e-5);
+  const StepResponse r = meter.result();
+  EXPECT_FALSE(r.frames5);
+  EXPECT_EQ(*r.meanFrames5, 2u);
+  EXPECT_EQ(*r.meanFrames1, 3u);
+}
+
 TEST(StepResponse, SeesOnlyWhatCounts) {
   Image before = constant(0), after = constant(1), frame = constant(1);
   frame.pixel(0, 0)[0] = 50;
