@@ -43,7 +43,7 @@ PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit c
 PARAM_ENUM(grid, SurfelGridKind, kGridUniform, Rebuild, "Cells by which surfels near a point are found.")
 PARAM_INT(cell_limit, 512, 8, 4096, 16, 1024, Log, Live, "surfels", "A look-up reads at most so many surfels of its cell: those with the lowest numbers, in every frame the same. Cells beyond it are counted.")
 PARAM_FLOAT(ray_budget, 1, 0, 64, 0.25, 16, Log, Live, "rays a surfel", "Rays a frame, on average over all surfels. 0 casts none.")
-PARAM_BOOL(budget_in_view, true, Live, "ray_budget counts surfels in view whole and hidden ones by hidden_share, so that surfels left behind by a moving camera cost little. Off in the thesis: all count whole.")
+PARAM_BOOL(budget_in_view, false, Live, "ray_budget counts surfels in view whole and hidden ones by hidden_share, so that surfels left behind by a moving camera cost little. Off in the thesis: all count whole.")
 PARAM_FLOAT(rays_min, 0.25, 0, 8, 0, 1, Linear, Live, "rays", "Least a surfel gets a frame, on average over frames.")
 PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in a frame.")
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
