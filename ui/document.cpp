@@ -248,7 +248,10 @@ void Document::onOpened(const Preset& preset, const QString& from) {
   for (const std::string& w : preset.warnings) warnings << QString::fromStdString(w);
   Preset before = std::exchange(preset_, preset);
   preset_.warnings.clear();
-  readInPart_ = !warnings.isEmpty();
+  if (warnings.isEmpty())
+    partlyRead_.erase(preset_.file);
+  else if (isFile)
+    partlyRead_.insert(preset_.file);
   otherTechniques_.clear();
   sceneLights_.reset();
   if (first_)
@@ -293,7 +296,7 @@ void Document::announceAll() {
 
 void Document::save(const QString& path) {
   preset_.file = path.toStdString();
-  readInPart_ = false;
+  partlyRead_.erase(preset_.file);
   saving_ = savedForm();
   link_.savePreset(preset_, path);
   emit presetChanged();

@@ -5,6 +5,7 @@
 #include <QString>
 #include <QUndoStack>
 #include <optional>
+#include <set>
 
 #include "ui/catalog.h"
 #include "ui/engine_link.h"
@@ -55,7 +56,7 @@ class Document : public QObject {
   QString path() const { return QString::fromStdString(preset_.file.string()); }
   bool modified() const { return modified_; }
   /// Not all of the file was understood, or it is of another version: saving over it would lose what it holds.
-  bool readInPart() const { return readInPart_; }
+  bool readInPart() const { return partlyRead_.count(preset_.file) > 0; }
   /// The whole experiment to a session that was started anew.
   void sendAll();
   /// True until the answer to open() or openScene() is there.
@@ -94,6 +95,7 @@ class Document : public QObject {
   QUndoStack undo_;
   Preset preset_;
   std::string saved_;                          // as JSON, to compare with
+  std::set<std::filesystem::path> partlyRead_;  // of the files that were opened: undo goes back to them
   std::optional<std::string> saving_;          // likewise, while the write runs
   std::map<std::string, std::map<std::string, std::string>> otherTechniques_;  // parameters of those not shown now
   std::optional<LightEdits> sceneLights_;      // as the scene's file has them
@@ -101,7 +103,7 @@ class Document : public QObject {
   std::shared_ptr<const Scene> scene_;
   quint64 lastDrag_ = 0, edits_ = 0;
   int opening_ = 0;
-  bool modified_ = false, first_ = true, readInPart_ = false;
+  bool modified_ = false, first_ = true;
 };
 
 LightEdits lightsOf(const Scene&);

@@ -238,15 +238,16 @@ SweepResults openSweep(const fs::path& folder) {
 
 void Sweep::run(Session& session, Progress& p) {
   SweepResults& r = results_;
-  std::error_code failed;
-  for (const char* part : {"runs", "path_tracer"}) fs::create_directories(r.folder / part, failed);
-  if (const fs::path kept = r.folder / "experiment.json"; fs::exists(kept)) {
+  const fs::path kept = r.folder / "experiment.json";
+  if (fs::exists(kept)) {
     try {
       loadExperiment(kept);
     } catch (const Error& e) {
       throw badInput(fmt::format("{}: it would be written over, and is no experiment ({}): another folder is wanted", kept.string(), e.what()));
     }
   }
+  std::error_code failed;
+  for (const char* part : {"runs", "path_tracer"}) fs::create_directories(r.folder / part, failed);
   if (failed) throw badInput(fmt::format("{}: the folder cannot be made: {}", r.folder.string(), failed.message()));
   r.cpuDevice = session.device().isCpu();
   r.hostThreads = session.hostThreads();
@@ -255,7 +256,8 @@ void Sweep::run(Session& session, Progress& p) {
       if (run && !run->failed.empty() && !run->overLimit) run.reset();  // the cause may be mended
     session.load(r.plan.front().preset, &p);
     checkSameMachine(session);
-    if (const fs::path kept = r.folder / "experiment.json"; !fs::exists(kept) || !fs::exists(r.experiment.file) || !fs::equivalent(kept, r.experiment.file)) saveExperiment(r.experiment, kept);
+    const bool isItsOwn = fs::exists(kept) && fs::exists(r.experiment.file) && fs::equivalent(kept, r.experiment.file);
+    if (!isItsOwn) saveExperiment(r.experiment, kept);
     if (!r.complete()) {
       traceReferences(session, p);
       warmUp(session, p);
