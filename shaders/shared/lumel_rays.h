@@ -1,7 +1,7 @@
-#ifndef HALFLIGHT_RADIOSITY_LUMEL_RAYS_H
-#define HALFLIGHT_RADIOSITY_LUMEL_RAYS_H
-// A lumel's rays, and the texels that they hit: written once for the shaders (make_rays.comp, find_texels.comp) and the host (host_units.cpp).
-#include "engine/techniques/radiosity/unit.h"
+#ifndef HALFLIGHT_LUMEL_RAYS_H
+#define HALFLIGHT_LUMEL_RAYS_H
+// A lumel's rays, and the texels that they hit: written once for shaders and host.
+#include "shaders/shared/lightmap_codes.h"
 #include "shaders/shared/sampling.h"
 HL_BEGIN
 
