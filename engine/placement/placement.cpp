@@ -80,6 +80,7 @@ PlacedProbes placeProbes(const ProbesParams& params, const Scene& scene, const E
   progress.begin("placing probes", 1);
   switch (params.placement) {
     case kPlacementManual: takeManual(task, out); break;
+    case kPlacementVoxelGreedy: placeVoxelGreedy(task, out); break;
     default: placeGrid(task, out);
   }
   out.inside.resize(out.positions.size(), 0);

@@ -17,6 +17,7 @@ struct PlacementTask {
 /// Into out.positions those of `places` that are not inside geometry, moved away from surfaces where they must be; the rest is counted.
 void keepFree(const PlacementTask&, const std::vector<vec3>& places, PlacedProbes& out);
 
+void placeVoxelGreedy(const PlacementTask&, PlacedProbes& out);
 void placeGrid(const PlacementTask&, PlacedProbes& out);
 void takeManual(const PlacementTask&, PlacedProbes& out);
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "engine/placement/coverage.h"
 #include "engine/placement/free_space.h"
@@ -135,6 +137,101 @@ TEST(PlacementGrid, AThinWallHidesWhatIsBehind) {
   EXPECT_NEAR(Placed(s, p).probes.coverage, (3 + 1) / (6 + 2 + 0.008), 0.01);
 }
 
+ProbesParams greedy(float voxel = 0.1f, float radius = 0.4f) {
+  ProbesParams p;
+  p.placement = kPlacementVoxelGreedy;
+  p.voxel = voxel, p.merge_radius = radius;
+  return p;
+}
+
+TEST(PlacementVoxelGreedy, EveryCandidateHasAProbeThatSeesItWithinTheRadius) {
+  const Placed all(furnishedRoom(), greedy(0.05f, 0)), few(furnishedRoom(), greedy(0.05f, 0.3f));
+  ASSERT_GT(all.probes.count(), 4 * few.probes.count());
+  EXPECT_EQ(few.probes.merged + few.probes.count(), all.probes.count());
+  const float longest = std::max({few.scene.bounds.max.x - few.scene.bounds.min.x, few.scene.bounds.max.y - few.scene.bounds.min.y, few.scene.bounds.max.z - few.scene.bounds.min.z});
+  for (const vec3 c : all.probes.positions)
+    EXPECT_TRUE(std::any_of(few.probes.positions.begin(), few.probes.positions.end(), [&](vec3 q) {
+      return glm::length(q - c) <= 0.3f * longest * 1.001f && !few.embree.occluded({q, 0, c - q, 1});
+    })) << c.x << " " << c.y << " " << c.z;
+  EXPECT_GT(few.probes.coverage, 0.98 * all.probes.coverage);
+}
+
+TEST(PlacementVoxelGreedy, NoneInASolidBlockNorOutsideTheRoom) {
+  for (const bool twoSided : {false, true}) {
+    Scene s = room();
+    s.materials[0].twoSided = twoSided;
+    const vec3 low(0.3f, 0.0f, 0.3f), high(0.75f, 0.62f, 0.75f);
+    addBlock(s, low, high, 0);
+    Camera camera;
+    camera.position = vec3(0.1f, 0.8f, 0.1f);
+    s.cameras.push_back(camera);
+    const Placed placed(std::move(s), greedy(0.05f, 0.3f));
+    EXPECT_GT(placed.probes.count(), 4u);
+    EXPECT_GT(placed.probes.rejectedInside, 0u);
+    EXPECT_GT(placed.probes.coverage, 0.85);
+    for (const vec3 at : placed.probes.positions) {
+      EXPECT_FALSE(within(at, low, high));
+      EXPECT_TRUE(within(at, vec3(0.0f), vec3(1.0f)));
+    }
+  }
+}
+
+TEST(PlacementVoxelGreedy, ThinWall) {
+  Scene s = room();
+  addBlock(s, {0.499f, 0, 0}, {0.501f, 1, 1}, 0);
+  const Placed placed(std::move(s), greedy());
+  int left = 0, right = 0;
+  for (const vec3 at : placed.probes.positions) ++(at.x < 0.5f ? left : right);
+  EXPECT_GT(left, 0);
+  EXPECT_GT(right, 0);
+  EXPECT_GT(placed.probes.coverage, 0.98);
+}
+
+TEST(PlacementVoxelGreedy, TwoRoomsBehindAShutDoor) {
+  const Placed placed(loadScene("two_rooms"), greedy(0.03f, 0.3f));
+  int lit = 0, dark = 0;
+  for (const vec3 at : placed.probes.positions) {
+    EXPECT_TRUE(within(at, vec3(0, 0, 0), vec3(8.2f, 3, 4)));
+    EXPECT_FALSE(within(at, vec3(5.4f, 0, 0.8f), vec3(6.6f, 0.75f, 1.6f))) << "inside the table";
+    EXPECT_GT(glm::length(at - vec3(6, 1.05f, 1.2f)), 0.3f) << "inside the ball";
+    ++(at.x < 4 ? lit : dark);
+  }
+  EXPECT_GT(lit, 2);
+  EXPECT_GT(dark, 2);
+}
+
+TEST(PlacementVoxelGreedy, OneTriangle) {
+  Scene s;
+  addTriangle(s, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, addMaterial(s));
+  const Placed placed(std::move(s), greedy());
+  EXPECT_TRUE(std::any_of(placed.probes.positions.begin(), placed.probes.positions.end(), [](vec3 at) { return at.z > 0; }));
+  EXPECT_EQ(placed.probes.coverage, 1);
+}
+
+TEST(PlacementVoxelGreedy, TooFineSaysSo) { EXPECT_NE(messageOf(room(), greedy(0.002f)).find("raise probes.voxel"), std::string::npos); }
+
+/// Two-sided leaves and curtains, arcades, and a wall whose outside no camera sees.
+TEST(PlacementSponza, BothStrategies) {
+  if (!std::getenv("HALFLIGHT_SCENES")) GTEST_SKIP() << "HALFLIGHT_SCENES is not set: Sponza is not looked for";
+  const Scene scene = loadScene("sponza");
+  const EmbreeScene embree(scene);
+  TaskPool pool;
+  Progress progress;
+  ProbesParams grid;
+  grid.spacing = 0.08f;
+  for (const ProbesParams& p : {grid, greedy(0.025f, 0.12f)}) {
+    const PlacedProbes probes = placeProbes(p, scene, embree, pool, progress);
+    std::printf("%s: %zu probes, coverage %.4f, %.2f s; of %llu places %llu inside, %llu too near, %llu moved, %llu merged\n", p.placement == kPlacementGrid ? "grid" : "voxel_greedy",
+                probes.count(), probes.coverage, probes.seconds, static_cast<unsigned long long>(probes.candidates), static_cast<unsigned long long>(probes.rejectedInside),
+                static_cast<unsigned long long>(probes.rejectedNear), static_cast<unsigned long long>(probes.moved), static_cast<unsigned long long>(probes.merged));
+    // The outside of the walls is a good part of all surface, and no probe's business.
+    EXPECT_GT(probes.coverage, p.placement == kPlacementGrid ? 0.5 : 0.7);
+    for (const Surroundings& a : lookAround(embree, probes.positions, pool, progress)) EXPECT_LT(a.backs, p.inside_threshold);
+    const float longest = scene.bounds.max.x - scene.bounds.min.x;
+    for (const vec3 at : probes.positions) EXPECT_GE(embree.nearest(at, longest).distance, 0.999f * p.surface_distance * longest);
+  }
+}
+
 TEST(PlacementHard, SceneWithoutSurfaces) {
   const Placed placed(Scene{});
   EXPECT_EQ(placed.probes.count(), 0u);
@@ -186,6 +283,23 @@ TEST(PlacementManual, ThoseInsideGeometryAreNamedAndKept) {
   EXPECT_EQ(placed.probes.insideGeometry, 1u);
   ASSERT_EQ(placed.probes.warnings.size(), 1u);
   EXPECT_NE(placed.probes.warnings[0].find("number 2 at (0.3, 0.3, 0.3)"), std::string::npos) << placed.probes.warnings[0];
+}
+
+/// Bennett's counts (table 6.2), and his triangles.
+TEST(PlacementManual, ScenesWithProbesOfTheirOwn) {
+  ProbesParams p;
+  p.placement = kPlacementManual;
+  for (const auto& [name, count] : {std::pair<const char*, size_t>{"cornell_box", 27}, {"blue_orange_box", 20}}) {
+    const Placed placed(loadScene(name), p);
+    EXPECT_EQ(placed.probes.count(), count) << name;
+    EXPECT_EQ(placed.probes.insideGeometry, 0u) << name;
+    EXPECT_GT(placed.probes.coverage, 0.3) << name;
+    std::printf("%s: %zu probes see %.3f of the area\n", name, placed.probes.count(), placed.probes.coverage);
+    const float longest = std::max({placed.scene.bounds.max.x - placed.scene.bounds.min.x, placed.scene.bounds.max.y - placed.scene.bounds.min.y, placed.scene.bounds.max.z - placed.scene.bounds.min.z});
+    for (const vec3 at : placed.probes.positions) EXPECT_GE(placed.embree.nearest(at, longest).distance, 0.02f * longest) << name << " " << at.x << " " << at.y << " " << at.z;
+  }
+  EXPECT_EQ(loadScene("blue_orange_box").triangles(), 96u);
+  EXPECT_EQ(loadScene("blue_orange_box").regions.size(), 4u);
 }
 
 TEST(PlacementManual, NoneIsAnError) {
