@@ -39,20 +39,14 @@ Matrix range(const Matrix& a, uint32_t columns, uint32_t seed) {
   return q;
 }
 
-}  // namespace
-
-Components principalComponents(std::span<const float> values, uint32_t rows, uint32_t columns, const ComponentSettings& settings) {
-  Components result;
-  if (rows == 0 || columns == 0) return result;
-  const Matrix a = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), rows, columns).cast<double>();
-  result.total = a.squaredNorm();
-  if (!(result.total > 0)) return result;
-
+/// The leading right singular vectors of `a`, one a column, largest first: at most `most`, and no more than leave out `limit` of `energy`.
+Matrix leading(const Matrix& a, const ComponentSettings& settings, uint32_t most, double energy, double limit, std::vector<double>& singularValues) {
+  const auto rows = static_cast<uint32_t>(a.rows()), columns = static_cast<uint32_t>(a.cols());
   // Left vectors, and the squares of singular values, smallest first: of A A^T, of A^T A, or of a small matrix with the same leading ones.
   const uint32_t side = std::min(rows, columns);
   Matrix right;  // columns x n, orthonormal
   Eigen::VectorXd squares;
-  if (settings.exact || side <= kExactSide || side <= settings.most + kOversampling) {
+  if (settings.exact || side <= kExactSide || side <= most + kOversampling) {
     if (columns <= rows) {
       const Eigen::SelfAdjointEigenSolver<Matrix> solver(a.transpose() * a);
       right = solver.eigenvectors();
@@ -67,7 +61,7 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
       }
     }
   } else {
-    const Matrix b = range(a, settings.most + kOversampling, settings.seed).transpose() * a;
+    const Matrix b = range(a, most + kOversampling, settings.seed).transpose() * a;
     const Eigen::SelfAdjointEigenSolver<Matrix> solver(b * b.transpose());
     squares = solver.eigenvalues();
     right = b.transpose() * solver.eigenvectors();
@@ -79,17 +73,43 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
 
   const auto count = static_cast<uint32_t>(squares.size());
   const double largest = std::max(0.0, squares(count - 1));
-  const double limit = settings.tolerance * settings.tolerance * result.total;
-  double left = result.total;
-  while (result.rank < std::min(settings.most, count)) {
-    const double square = squares(count - 1 - result.rank);
+  uint32_t rank = 0;
+  double left = energy;
+  while (rank < std::min(most, count)) {
+    const double square = squares(count - 1 - rank);
     if (!(square > kRankTolerance * kRankTolerance * largest)) break;
     if (settings.tolerance > 0 && left <= limit) break;
-    result.singularValues.push_back(std::sqrt(square));
+    singularValues.push_back(std::sqrt(square));
     left -= square;
-    ++result.rank;
+    ++rank;
   }
-  const Matrix kept = right.rightCols(result.rank).rowwise().reverse();
+  return right.rightCols(rank).rowwise().reverse();
+}
+
+}  // namespace
+
+Components principalComponents(std::span<const float> values, uint32_t rows, uint32_t columns, const ComponentSettings& settings) {
+  Components result;
+  if (rows == 0 || columns == 0) return result;
+  const Matrix a = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values.data(), rows, columns).cast<double>();
+  result.total = a.squaredNorm();
+  if (!(result.total > 0)) return result;
+  const double limit = settings.tolerance * settings.tolerance * result.total;
+  Matrix kept;
+  if (settings.keep.empty()) {
+    kept = leading(a, settings, settings.most, result.total, limit, result.singularValues);
+  } else {
+    // The light takes the first vector; what is left of the matrix has no part in it, and so its components stand at right angles to it.
+    const Eigen::VectorXd light = Eigen::Map<const Eigen::VectorXf>(settings.keep.data(), columns).cast<double>().normalized();
+    const Matrix rest = a - (a * light) * light.transpose();
+    const double energy = rest.squaredNorm();
+    Matrix others(columns, 0);
+    if (settings.most > 1 && energy > kRankTolerance * kRankTolerance * result.total)
+      others = leading(rest, settings, settings.most - 1, energy, limit, result.singularValues);
+    kept.resize(columns, others.cols() + 1);
+    kept << light, others;
+  }
+  result.rank = static_cast<uint32_t>(kept.cols());
   const Matrix weights = a * kept;
   // By what the weights hold: exact for any orthonormal vectors, those of the range finder too.
   result.discarded = std::max(0.0, result.total - weights.squaredNorm());

@@ -9,9 +9,9 @@ namespace hl {
 
 struct Components {
   uint32_t rank = 0;
-  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T
+  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T; where a light is kept, it is the first
   std::vector<float> weights;   ///< rows x rank: U Sigma
-  std::vector<double> singularValues;  ///< those kept, largest first
+  std::vector<double> singularValues;  ///< those kept, largest first; where a light is kept, of the rest of the matrix
   double total = 0;             ///< squared Frobenius norm of the matrix
   double discarded = 0;         ///< ... of what is left out: total - sum of squares of those kept; of the exact decomposition the sum of the discarded ones'
 };
@@ -21,6 +21,7 @@ struct ComponentSettings {
   double tolerance = 0;         ///< no more than leave out this share of the Frobenius norm; 0: as many as `most`
   bool exact = false;           ///< by all eigenvalues of the smaller Gram matrix, however large it is
   uint32_t seed = 1;            ///< of the randomised range finder
+  std::vector<float> keep = {}; ///< a light (one number a column) whose transport comes out exactly, at the price of one of the vectors; or none
 };
 
 /// Above this many rows and columns the range of the matrix is found by random projections with power iterations (Halko, Martinsson and Tropp 2011, algorithms

@@ -60,7 +60,7 @@ std::string Precomputation::key(const SceneView& scene) const {
   h.value<uint64_t>(scene.atlas->lumels.size());
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params_.sh_order).value(params_.receiver_rays).value(params_.support).value(params_.radius).value(params_.k);
-  h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.clustering).value(params_.cluster_size);
+  h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.pca_keep_constant).value(params_.clustering).value(params_.cluster_size);
   h.value(params_.environment_rays).value(params_.sample_weight);
   return h.hex();
 }
@@ -197,7 +197,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
       .read(matrix_)
       .read(valid_)
       .run([params = params_, matrix = matrix_, valid = valid_, finished = finished_, store = store_, receivers = c.receivers,
-            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, seed = scene_.seed](HostAccess& memory) {
+            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, seed = scene_.seed](HostAccess& memory) {
         const auto all = static_cast<float>(params.receiver_rays);
         const std::span<float> counts = memory.span<float>(valid), sums = memory.span<float>(matrix);
         ClusterTransport t;
@@ -218,6 +218,10 @@ void Precomputation::recordCompression(FrameGraph& graph) {
           settings.most = static_cast<uint32_t>(params.pca_vectors);
           settings.tolerance = static_cast<double>(params.pca_tolerance);
           settings.seed = seed;
+          if (params.pca_keep_constant) {
+            settings.keep.assign(columns, 0.0f);
+            for (size_t i = 0; i < columns; i += coefficients) settings.keep[i] = 1.0f;  // band 0 of every probe alike
+          }
           Components p = principalComponents(alpha, receivers, columns, settings);
           t.rank = p.rank;
           t.basis = std::move(p.basis);
