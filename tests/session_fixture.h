@@ -77,6 +77,7 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
     p.parameters["probes.spacing"] = "0.25";
     p.parameters["srp.sh_order"] = "6";
     p.parameters["srp.receiver_rays"] = "256";
+    p.parameters["srp.cluster_size"] = "128";  // so few receivers would otherwise be two clusters of half the room each
     p.parameters["srp.cache"] = "false";
   }
   if (technique == "ddgi") {
