@@ -104,17 +104,17 @@ TEST(Cpca, AKeptLightComesOutExactly) {
     const std::vector<float> a = matrixOf(rows, columns, 40, 0.97);
     ComponentSettings settings;
     settings.most = 8;
-    settings.keep.assign(columns, 0.0f);
-    for (size_t i = 0; i < columns; i += 4) settings.keep[i] = 1;
+    settings.keep = constantLights(a, rows, columns, 4);
+    ASSERT_EQ(settings.keep.size(), 1u);
     const Components c = principalComponents(a, rows, columns, settings);
     EXPECT_LE(c.rank, 8u);
     EXPECT_NEAR(missing(a, rows, columns, c), c.discarded, 1e-6 * c.total);
     for (uint32_t r = 0; r < rows; ++r) {
       double exact = 0, kept = 0;
-      for (uint32_t i = 0; i < columns; ++i) exact += static_cast<double>(a[size_t{r} * columns + i] * settings.keep[i]);
+      for (uint32_t i = 0; i < columns; ++i) exact += static_cast<double>(a[size_t{r} * columns + i] * settings.keep[0][i]);
       for (uint32_t k = 0; k < c.rank; ++k)
         for (uint32_t i = 0; i < columns; ++i)
-          kept += static_cast<double>(c.weights[size_t{r} * c.rank + k]) * static_cast<double>(c.basis[size_t{k} * columns + i] * settings.keep[i]);
+          kept += static_cast<double>(c.weights[size_t{r} * c.rank + k]) * static_cast<double>(c.basis[size_t{k} * columns + i] * settings.keep[0][i]);
       ASSERT_NEAR(kept, exact, 1e-4 * (std::abs(exact) + 1));
     }
     for (uint32_t k = 0; k < c.rank; ++k)
@@ -124,6 +124,28 @@ TEST(Cpca, AKeptLightComesOutExactly) {
         ASSERT_NEAR(dot, k == j ? 1 : 0, 1e-5);
       }
   }
+}
+
+TEST(Cpca, WhatAsksOtherProbesIsToldNothingOfTheirLight) {
+  // Two sides of a wall: receivers 0 to 9 ask probes 0 and 1, the others probes 2 to 4. Light of the first must not reach the others.
+  const uint32_t rows = 60, columns = 20, coefficients = 4;
+  std::vector<float> a = matrixOf(rows, columns, 20, 0.99);
+  for (uint32_t r = 0; r < rows; ++r)
+    for (uint32_t i = 0; i < columns; ++i)
+      if ((r < 10) != (i < 8)) a[size_t{r} * columns + i] = 0;
+  ComponentSettings settings;
+  settings.most = 6;
+  settings.keep = constantLights(a, rows, columns, coefficients);
+  ASSERT_EQ(settings.keep.size(), 2u);
+  EXPECT_EQ(settings.keep[0][4], 1.0f);
+  EXPECT_EQ(settings.keep[0][8], 0.0f);
+  const Components c = principalComponents(a, rows, columns, settings);
+  for (uint32_t r = 10; r < rows; ++r)
+    for (uint32_t i = 0; i < 8; ++i) {
+      double value = 0;
+      for (uint32_t k = 0; k < c.rank; ++k) value += static_cast<double>(c.weights[size_t{r} * c.rank + k]) * static_cast<double>(c.basis[size_t{k} * columns + i]);
+      ASSERT_NEAR(value, 0, 1e-6);
+    }
 }
 
 TEST(Cpca, ATolerancePicksTheRank) {

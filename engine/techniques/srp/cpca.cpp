@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 namespace hl {
@@ -99,15 +100,17 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
   if (settings.keep.empty()) {
     kept = leading(a, settings, settings.most, result.total, limit, result.singularValues);
   } else {
-    // The light takes the first vector; what is left of the matrix has no part in it, and so its components stand at right angles to it.
-    const Eigen::VectorXd light = Eigen::Map<const Eigen::VectorXf>(settings.keep.data(), columns).cast<double>().normalized();
-    const Matrix rest = a - (a * light) * light.transpose();
+    // The lights take the first vectors; what is left of the matrix has no part in them, and so its components stand at right angles to them.
+    const uint32_t count = std::min(static_cast<uint32_t>(settings.keep.size()), settings.most);
+    Matrix lights(columns, count);
+    for (uint32_t i = 0; i < count; ++i) lights.col(i) = Eigen::Map<const Eigen::VectorXf>(settings.keep[i].data(), columns).cast<double>().normalized();
+    const Matrix rest = a - (a * lights) * lights.transpose();
     const double energy = rest.squaredNorm();
     Matrix others(columns, 0);
-    if (settings.most > 1 && energy > kRankTolerance * kRankTolerance * result.total)
-      others = leading(rest, settings, settings.most - 1, energy, limit, result.singularValues);
-    kept.resize(columns, others.cols() + 1);
-    kept << light, others;
+    if (settings.most > count && energy > kRankTolerance * kRankTolerance * result.total)
+      others = leading(rest, settings, settings.most - count, energy, limit, result.singularValues);
+    kept.resize(columns, others.cols() + count);
+    kept << lights, others;
   }
   result.rank = static_cast<uint32_t>(kept.cols());
   const Matrix weights = a * kept;
@@ -120,6 +123,43 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
     for (uint32_t r = 0; r < rows; ++r) result.weights[static_cast<size_t>(r) * result.rank + k] = static_cast<float>(weights(r, k));
   }
   return result;
+}
+
+std::vector<std::vector<float>> constantLights(std::span<const float> matrix, uint32_t rows, uint32_t columns, uint32_t coefficients) {
+  // A probe with less than this share of a receiver's transport does not join that receiver's others.
+  constexpr double kLeastShare = 1e-3;
+  const uint32_t probes = columns / coefficients;
+  std::vector<uint32_t> group(probes);
+  std::iota(group.begin(), group.end(), 0u);
+  const auto root = [&](uint32_t p) {
+    while (group[p] != p) p = group[p] = group[group[p]];
+    return p;
+  };
+  for (uint32_t r = 0; r < rows; ++r) {
+    std::vector<double> energy(probes, 0.0);
+    double total = 0;
+    for (uint32_t i = 0; i < columns; ++i) {
+      const auto v = static_cast<double>(matrix[size_t{r} * columns + i]);
+      energy[i / coefficients] += v * v, total += v * v;
+    }
+    uint32_t first = probes;
+    for (uint32_t p = 0; p < probes; ++p) {
+      if (!(energy[p] > kLeastShare * kLeastShare * total)) continue;
+      if (first == probes) first = root(p);
+      else group[std::max(first, root(p))] = std::min(first, root(p)), first = root(first);
+    }
+  }
+  std::vector<std::vector<float>> lights;
+  std::vector<uint32_t> lightOf(probes, probes);
+  for (uint32_t p = 0; p < probes; ++p) {
+    const uint32_t g = root(p);
+    if (lightOf[g] == probes) {
+      lightOf[g] = static_cast<uint32_t>(lights.size());
+      lights.emplace_back(columns, 0.0f);
+    }
+    lights[lightOf[g]][size_t{p} * coefficients] = 1.0f;
+  }
+  return lights;
 }
 
 }  // namespace hl

@@ -9,9 +9,9 @@ namespace hl {
 
 struct Components {
   uint32_t rank = 0;
-  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T; where a light is kept, it is the first
+  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T; lights that are kept come first
   std::vector<float> weights;   ///< rows x rank: U Sigma
-  std::vector<double> singularValues;  ///< those kept, largest first; where a light is kept, of the rest of the matrix
+  std::vector<double> singularValues;  ///< those kept, largest first; where lights are kept, of the rest of the matrix
   double total = 0;             ///< squared Frobenius norm of the matrix
   double discarded = 0;         ///< ... of what is left out: total - sum of squares of those kept; of the exact decomposition the sum of the discarded ones'
 };
@@ -21,7 +21,8 @@ struct ComponentSettings {
   double tolerance = 0;         ///< no more than leave out this share of the Frobenius norm; 0: as many as `most`
   bool exact = false;           ///< by all eigenvalues of the smaller Gram matrix, however large it is
   uint32_t seed = 1;            ///< of the randomised range finder
-  std::vector<float> keep = {}; ///< a light (one number a column) whose transport comes out exactly, at the price of one of the vectors; or none
+  /// Lights (one number a column each) whose transport comes out exactly, at the price of a vector each; no two may share a column. Those beyond `most` are not kept.
+  std::vector<std::vector<float>> keep = {};
 };
 
 /// Above this many rows and columns the range of the matrix is found by random projections with power iterations (Halko, Martinsson and Tropp 2011, algorithms
@@ -30,5 +31,9 @@ inline constexpr uint32_t kExactSide = 128;
 
 /// `matrix`: rows x columns, row after row. Empty, zero and rank-one matrices are matrices like any other: the rank kept is never above the true one.
 Components principalComponents(std::span<const float> matrix, uint32_t rows, uint32_t columns, const ComponentSettings&);
+
+/// Light that is the same everywhere, apart for each group of probes that no receiver of the cluster asks together (two sides of a wall): constant light in one says
+/// nothing about the other. `matrix` as above, `coefficients` columns a probe, the first of them band 0.
+std::vector<std::vector<float>> constantLights(std::span<const float> matrix, uint32_t rows, uint32_t columns, uint32_t coefficients);
 
 }  // namespace hl

@@ -16,7 +16,7 @@ namespace {
 /// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t);
@@ -218,10 +218,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
           settings.most = static_cast<uint32_t>(params.pca_vectors);
           settings.tolerance = static_cast<double>(params.pca_tolerance);
           settings.seed = seed;
-          if (params.pca_keep_constant) {
-            settings.keep.assign(columns, 0.0f);
-            for (size_t i = 0; i < columns; i += coefficients) settings.keep[i] = 1.0f;  // band 0 of every probe alike
-          }
+          if (params.pca_keep_constant) settings.keep = constantLights(alpha, receivers, columns, coefficients);
           Components p = principalComponents(alpha, receivers, columns, settings);
           t.rank = p.rank;
           t.basis = std::move(p.basis);
