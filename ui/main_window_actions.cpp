@@ -84,7 +84,7 @@ void MainWindow::buildMenus() {
   });
   connect(showRegions_, &QAction::toggled, this, &MainWindow::updateRegions);
   bar_->addTool(regionTool_);
-  probeTool_ = view->addAction(tr("Edit probes by hand"), QKeySequence(Qt::Key_P), this, [] {});
+  probeTool_ = view->addAction(tr("Edit probes by hand"), QKeySequence(Qt::Key_H), this, [] {});
   probeTool_->setCheckable(true);
   view->addAction(tr("Enlarge the picture"), QKeySequence(Qt::CTRL | Qt::Key_Plus), viewport_, &Viewport::zoomIn);
   view->addAction(tr("Make the picture smaller"), QKeySequence(Qt::CTRL | Qt::Key_Minus), viewport_, &Viewport::zoomOut);

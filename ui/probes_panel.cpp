@@ -32,7 +32,7 @@ ProbesPanel::ProbesPanel(Document& document, QWidget* parent)
   column->addWidget(facts_);
   auto* buttons = new QHBoxLayout;
   edit_->setCheckable(true);
-  edit_->setToolTip(tr("In the viewport (P): drag a probe, with Shift up and down, with Ctrl along x, with Alt along z; click a surface to add one in front of it; Delete removes the chosen one"));
+  edit_->setToolTip(tr("In the viewport (H): drag a probe, with Shift up and down, with Ctrl along x, with Alt along z; click a surface to add one in front of it; Delete removes the chosen one"));
   add_->setToolTip(tr("A probe where the camera is"));
   reset_->setToolTip(tr("Those of the scene's file in place of the preset's"));
   for (QPushButton* b : {edit_, add_, remove_, reset_}) buttons->addWidget(b);

@@ -115,7 +115,7 @@ class ProbesTest : public QObject {
   }
 
   void takingUpTheToolMakesPlacedProbesOnesOwnAndUndoGivesThemBack() {
-    QTest::keyClick(&viewport(), Qt::Key_P);
+    QTest::keyClick(&viewport(), Qt::Key_H);
     QVERIFY(viewport().probeTool().active() && button("Edit by hand")->isChecked());
     QCOMPARE(document().parameter("probes.placement"), std::string("manual"));
     QCOMPARE(document().probes(), placed_->positions);
@@ -131,7 +131,7 @@ class ProbesTest : public QObject {
   }
 
   void draggedParallelToThePictureAndAlongAxes() {
-    QTest::keyClick(&viewport(), Qt::Key_P);
+    QTest::keyClick(&viewport(), Qt::Key_H);
     publish();
     drag({-0.5f, 0, 0}, {-0.2f, 0.4f, 0}, {});
     QVERIFY(near(document().probes()[0], {-0.2f, 0.4f, 0}));
@@ -157,7 +157,7 @@ class ProbesTest : public QObject {
   }
 
   void aClickOnASurfaceAddsOneInFrontAndDeleteTakesItAway() {
-    QTest::keyClick(&viewport(), Qt::Key_P);
+    QTest::keyClick(&viewport(), Qt::Key_H);
     publish();
     QTest::mouseClick(&viewport(), Qt::LeftButton, {}, inWidget({0.25f, -1, 0.5f}));
     QVERIFY(!link_->calls.filter("pick").isEmpty());
@@ -201,7 +201,7 @@ class ProbesTest : public QObject {
 
   void probesAreSeenInThePicture() {
     const QImage before = viewport().grab().toImage();
-    QTest::keyClick(&viewport(), Qt::Key_P);
+    QTest::keyClick(&viewport(), Qt::Key_H);
     publish();
     const QImage after = viewport().grab().toImage();
     const QPoint at = inWidget({0.5f, 0, 0});
