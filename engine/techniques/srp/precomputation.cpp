@@ -6,7 +6,6 @@
 
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
-#include "engine/techniques/srp/cpca.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -32,19 +31,23 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_);
   progress.check();
   allocate(scene);
-  if (params.cache) {
-    store_ = std::make_shared<TransportStore>(key(scene));
-    *finished_ = store_->read(clusters_.clusters.size());
-    for (size_t i = 0; i < finished_->size(); ++i) {
-      const ReceiverCluster& c = clusters_.clusters[i];
-      const ClusterTransport& t = (*finished_)[i];
-      if (t.receivers == c.receivers && t.columns == c.probes.size() * coefficients_) continue;
-      throw Error(ErrorKind::Run, store_->file().string() + ": does not fit what it was made for; delete it");
-    }
-    fromDisk_ = cluster_ = finished_->size();
-  }
+  takeUp(params.cache ? std::make_shared<TransportStore>(key(scene)) : nullptr);
   for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
+  ++unitsTotal_;
   for (size_t i = 0; i < cluster_; ++i) unitsDone_ += unitsOf(clusters_.clusters[i]);
+}
+
+/// What the disk has of it.
+void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
+  std::vector<ClusterTransport> finished;
+  if (store) finished = store->read(clusters_.clusters.size());
+  for (size_t i = 0; i < finished.size(); ++i) {
+    const ReceiverCluster& c = clusters_.clusters[i];
+    if (finished[i].receivers == c.receivers && finished[i].columns == c.probes.size() * coefficients_) continue;
+    throw Error(ErrorKind::Run, store->file().string() + ": does not fit what it was made for; delete it");
+  }
+  fromDisk_ = cluster_ = finished.size();
+  compressor_ = std::make_shared<Compressor>(params_, scene_.seed, compressions_, std::move(store), std::move(finished));
 }
 
 /// Of all that decides about the coefficients.
@@ -88,6 +91,9 @@ void Precomputation::allocate(const SceneView& scene) {
                                                  (std::max(4 * matrix, leastQuestions * sizeof(shared::Ray)) >> 20) + 1, largest >> 20));
   const uint64_t wanted = std::min(device_.isCpu() ? kUnitRaysOnCpu : kUnitRaysOnGpu, largest / sizeof(shared::Ray));
   unitQuestions_ = std::max(leastQuestions, std::min(wanted, (budget - fixed) / questionBytes));
+  // A decomposition holds its matrix in single precision and, for a while, twice in double.
+  const uint64_t left = budget - fixed - unitQuestions_ * questionBytes;
+  compressions_ = static_cast<size_t>(std::clamp<uint64_t>(left / (20 * matrix), 1, scene.pool.threads()));
 
   std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, offset_), sorted;
   sorted.reserve(points.size());
@@ -123,7 +129,7 @@ WorkState Precomputation::work() const {
   WorkState state;
   state.done = unitsDone_;
   state.total = unitsTotal_;
-  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", cluster_ + 1, clusters_.clusters.size());
+  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", std::min(cluster_ + 1, clusters_.clusters.size()), clusters_.clusters.size());
   return state;
 }
 
@@ -136,6 +142,11 @@ void Precomputation::beginCluster(FrameGraph& graph) {
 
 void Precomputation::recordUnit(FrameGraph& graph) {
   if (work().settled()) return;
+  if (cluster_ == clusters_.clusters.size()) {
+    graph.host("srp: compress").run([compressor = compressor_](HostAccess&) { compressor->drain(); });
+    ++unitsDone_;
+    return;
+  }
   const ReceiverCluster& c = clusters_.clusters[cluster_];
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
@@ -196,37 +207,14 @@ void Precomputation::recordCompression(FrameGraph& graph) {
   graph.host("srp: compress")
       .read(matrix_)
       .read(valid_)
-      .run([params = params_, matrix = matrix_, valid = valid_, finished = finished_, store = store_, receivers = c.receivers,
-            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, seed = scene_.seed](HostAccess& memory) {
-        const auto all = static_cast<float>(params.receiver_rays);
-        const std::span<float> counts = memory.span<float>(valid), sums = memory.span<float>(matrix);
-        ClusterTransport t;
-        t.receivers = receivers, t.columns = columns;
-        std::vector<float> alpha(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(size_t{receivers} * columns));
-        for (size_t r = 0; r < receivers; ++r) {
-          t.valid.push_back(counts[r] / all);
-          const float mean = params.sample_weight == kSampleWeightAll ? all : counts[r];
-          const float scale = mean > 0 ? kPi / mean : 0.0f;
-          for (size_t i = 0; i < columns; ++i) alpha[r * columns + i] *= scale;
-        }
-        if (params.compression == kCompressionNone) {
-          for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
-          t.rank = columns;
-          t.weights = std::move(alpha);
-        } else {
-          ComponentSettings settings;
-          settings.most = static_cast<uint32_t>(params.pca_vectors);
-          settings.tolerance = static_cast<double>(params.pca_tolerance);
-          settings.seed = seed;
-          if (params.pca_keep_constant) settings.keep = constantLights(alpha, receivers, columns, coefficients);
-          Components p = principalComponents(alpha, receivers, columns, settings);
-          t.rank = p.rank;
-          t.basis = std::move(p.basis);
-          t.weights = std::move(p.weights);
-          t.total = p.total, t.discarded = p.discarded;
-        }
-        if (store) store->append(t);
-        finished->push_back(std::move(t));
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, receivers = c.receivers, columns = static_cast<uint32_t>(c.probes.size()) * coefficients_,
+            coefficients = coefficients_](HostAccess& memory) {
+        ClusterSums sums;
+        sums.receivers = receivers, sums.columns = columns, sums.coefficients = coefficients;
+        const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * columns), counts = memory.span<float>(valid).first(receivers);
+        sums.matrix.assign(values.begin(), values.end());
+        sums.valid.assign(counts.begin(), counts.end());
+        compressor->add(std::move(sums));
       });
 }
 
