@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ui/pick_overlay.h"
+#include "ui/probe_tool.h"
 #include "ui/swapchain_view.h"
 #include "ui/viewport.h"
 
@@ -27,6 +28,7 @@ void Viewport::paintEvent(QPaintEvent*) {
 void Viewport::paintOver(QPainter& painter) {
   if (comparing()) paintComparison(painter, comparison_, view_, rect(), flickerSecond_);
   if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
+  if (frame_ && !comparing() && !spaceHeld_) probeTool_->paint(painter, frame_->camera, frameSize(), pictureRect());
   drawOutlines(painter);
   drawLabels(painter);
 }
@@ -41,7 +43,9 @@ void Viewport::drawLabels(QPainter& painter) {
     painter.setBrush(ground);
     painter.drawRoundedRect(box.adjusted(-pad, -pad / 2, pad, pad / 2), 4, 4);
     painter.setPen(ink);
-    painter.drawText(box, flags, text);
+    // Lines of a list begin under each other, on whichever side it stands.
+    const int lines = text.contains('\n') ? (flags & ~Qt::AlignHorizontal_Mask) | Qt::AlignLeft : flags;
+    painter.drawText(box, lines, text);
   };
   const QColor white(255, 255, 255), shade(0, 0, 0, 170);
   if (comparison_.on() && !spaceHeld_ && !comparison_.pictures.refused.isEmpty()) label(tr("Comparison: %1").arg(comparison_.pictures.refused), Qt::AlignTop | Qt::AlignHCenter, white, shade);
@@ -60,7 +64,7 @@ void Viewport::drawLabels(QPainter& painter) {
 /// Whether paintOver() paints anything.
 bool Viewport::overlaid() const {
   const bool labelled = spaceHeld_ || paused_ || view_.zoom() > 1 || !waiting_.isEmpty() || !notice_.isEmpty();
-  return labelled || comparison_.on() || pickShown_ || marked_ || bandStart_ || !regions_.empty();
+  return labelled || comparison_.on() || pickShown_ || marked_ || bandStart_ || !regions_.empty() || probeTool_->active();
 }
 
 PresentView Viewport::presentView() {

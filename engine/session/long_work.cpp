@@ -81,6 +81,7 @@ void Session::Impl::placeProbes(Progress& p) {
   placed = std::make_shared<const PlacedProbes>(hl::placeProbes(probes, *scene, *embree, pool, p));
   for (const std::string& line : placed->warnings) logWarning(line);
   probesStale = false;
+  pickedProbe.reset();
   techniqueStale = true;
 }
 
