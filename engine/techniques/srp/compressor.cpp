@@ -47,22 +47,44 @@ Compressor::~Compressor() {
   try {
     drain();
   } catch (const std::exception& e) {
-    logWarning(std::string("srp: transport that was done could not be kept: ") + e.what());
-    for (auto& f : inWork_) f.wait();
+    logWarning(std::string("srp: the last transport was not kept: ") + e.what());
   }
 }
 
+/// The first in work becomes the last that is finished. One that failed leaves a gap, and nothing is added after it: each cluster is known by its place.
 void Compressor::takeFirst() {
-  ClusterTransport t = inWork_.front().get();
+  if (failed_) std::rethrow_exception(failed_);
+  std::future<ClusterTransport> first = std::move(inWork_.front());
   inWork_.pop_front();
-  if (store_) store_->append(t);
-  finished_.push_back(std::move(t));
+  try {
+    finished_.push_back(first.get());
+  } catch (...) {
+    failed_ = std::current_exception();
+    inWork_.clear();  // waits for them
+    throw;
+  }
+  if (!store_) return;
+  try {
+    store_->append(finished_.size() - 1, finished_.back());
+  } catch (const std::exception& e) {
+    // The disk is for the next time; this time goes on without.
+    logWarning(std::string("srp: transport is not kept on disk: ") + e.what());
+    store_.reset();
+  }
 }
 
 void Compressor::add(ClusterSums sums) {
+  if (failed_) std::rethrow_exception(failed_);
+  const auto work = [params = params_, seed = seed_](ClusterSums s) { return compressCluster(std::move(s), params, seed); };
+  if (most_ == 0) {
+    std::promise<ClusterTransport> done;
+    done.set_value(work(std::move(sums)));
+    inWork_.push_back(done.get_future());
+    return takeFirst();
+  }
   const auto ready = [&] { return inWork_.front().wait_for(std::chrono::seconds(0)) == std::future_status::ready; };
   while (!inWork_.empty() && (inWork_.size() >= most_ || ready())) takeFirst();
-  inWork_.push_back(std::async(std::launch::async, [sums = std::move(sums), params = params_, seed = seed_]() mutable { return compressCluster(std::move(sums), params, seed); }));
+  inWork_.push_back(std::async(std::launch::async, work, std::move(sums)));
 }
 
 void Compressor::drain() {

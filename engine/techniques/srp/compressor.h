@@ -1,6 +1,7 @@
 #pragma once
 // Clusters' matrices on their way to what is kept: compressed beside the rays of the clusters after them, kept and stored in order.
 #include <deque>
+#include <exception>
 #include <future>
 #include <memory>
 #include <vector>
@@ -20,11 +21,11 @@ struct ClusterSums {
 
 class Compressor {
  public:
-  /// `most`: clusters in work at once. `store` may be empty. `finished`: those that are there already.
+  /// `most`: clusters in work at once, on threads of their own; 0: none is, add() does it. `store` may be empty: where it can't be written, that is a warning and no more. `finished`: those that are there already.
   Compressor(const SrpParams&, uint32_t seed, size_t most, std::shared_ptr<TransportStore>, std::vector<ClusterTransport> finished);
   ~Compressor();
 
-  /// Waits where `most` are in work. Exceptions of those before come through. @throws Error(Run) where a finished one can't be stored
+  /// Waits where `most` are in work. An exception of one before comes through, now and at each further call.
   void add(ClusterSums);
   /// Waits for all.
   void drain();
@@ -39,6 +40,7 @@ class Compressor {
   std::shared_ptr<TransportStore> store_;
   std::vector<ClusterTransport> finished_;
   std::deque<std::future<ClusterTransport>> inWork_;
+  std::exception_ptr failed_;
 };
 
 /// Sums to means, and those to what is kept. A function of its arguments alone.

@@ -17,6 +17,9 @@ constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
 constexpr uint32_t kVersion = 2;
 
+/// What every device takes as groups along y.
+constexpr size_t kMostClusters = 65535;
+
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t);
 
@@ -28,8 +31,8 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
   progress.begin("receivers and their probes", 1);
-  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_);
-  progress.check();
+  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
+  progress.advance();
   allocate(scene);
   takeUp(params.cache ? std::make_shared<TransportStore>(key(scene)) : nullptr);
   for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
@@ -69,6 +72,8 @@ std::string Precomputation::key(const SceneView& scene) const {
 }
 
 void Precomputation::allocate(const SceneView& scene) {
+  if (clusters_.clusters.size() > kMostClusters)
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: {} clusters are more than {}; raise srp.cluster_size", clusters_.clusters.size(), kMostClusters));
   const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
   uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
   for (const ReceiverCluster& c : clusters_.clusters) {
@@ -80,7 +85,9 @@ void Precomputation::allocate(const SceneView& scene) {
   }
   // Each question belongs to a ray, of which there are fewer the more slots a receiver has; a unit takes at least one sample of each receiver.
   const uint64_t questionBytes = kBytesAQuestion + kBytesARay;
-  const uint64_t fixed = 4 * matrix + sizeof(shared::SrpNear) * near + 4 * receivers;
+  // A decomposition holds its matrix in single precision and, for a while, three times in double; one is in work at least.
+  const uint64_t decomposition = params_.compression == kCompressionNone ? 8 * matrix : 28 * matrix;
+  const uint64_t fixed = 4 * matrix + decomposition + sizeof(shared::SrpNear) * near + 4 * receivers;
   const uint64_t largest = device_.maxStorageBufferBytes();
   const uint64_t least = fixed + leastQuestions * questionBytes;
   if (least > budget)
@@ -91,9 +98,9 @@ void Precomputation::allocate(const SceneView& scene) {
                                                  (std::max(4 * matrix, leastQuestions * sizeof(shared::Ray)) >> 20) + 1, largest >> 20));
   const uint64_t wanted = std::min(device_.isCpu() ? kUnitRaysOnCpu : kUnitRaysOnGpu, largest / sizeof(shared::Ray));
   unitQuestions_ = std::max(leastQuestions, std::min(wanted, (budget - fixed) / questionBytes));
-  // A decomposition holds its matrix in single precision and, for a while, twice in double.
   const uint64_t left = budget - fixed - unitQuestions_ * questionBytes;
-  compressions_ = static_cast<size_t>(std::clamp<uint64_t>(left / (20 * matrix), 1, scene.pool.threads()));
+  // On a CPU device its rays and ours would only be in each other's way, and in that of the frames between.
+  compressions_ = device_.isCpu() ? 0 : static_cast<size_t>(std::clamp<uint64_t>(1 + left / decomposition, 1, scene.pool.threads()));
 
   std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, offset_), sorted;
   sorted.reserve(points.size());
@@ -218,11 +225,21 @@ void Precomputation::recordCompression(FrameGraph& graph) {
       });
 }
 
-void Precomputation::release() { near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = {}; }
+void Precomputation::release() {
+  for (ReceiverCluster& c : clusters_.clusters) c.near = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = {};
+}
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
   for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_}) bytes += *b ? b->size() : 0;
+  return bytes;
+}
+
+uint64_t Precomputation::hostBytes() const {
+  uint64_t bytes = 0;
+  for (const ClusterTransport& t : transport()) bytes += 4 * (t.basis.size() + t.weights.size() + t.valid.size());
+  for (const ReceiverCluster& c : clusters_.clusters) bytes += sizeof(shared::SrpNear) * c.near.size() + 4 * c.probes.size();
   return bytes;
 }
 

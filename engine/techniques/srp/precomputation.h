@@ -26,7 +26,8 @@ class Precomputation {
   /// Drops the working memory; to be called once work() has settled.
   void release();
   uint64_t clustersFromDisk() const { return fromDisk_; }
-  uint64_t workingBytes() const;
+  uint64_t workingBytes() const;   ///< on the device
+  uint64_t hostBytes() const;      ///< results, and the probes of receivers
   uint64_t raysCast() const { return raysCast_; }
 
  private:
