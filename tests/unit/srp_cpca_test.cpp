@@ -101,7 +101,9 @@ TEST(Cpca, MatricesThatAreNoneToSpeakOf) {
 
 TEST(Cpca, AKeptLightComesOutExactly) {
   for (const auto& [rows, columns] : {std::pair{50u, 40u}, std::pair{300u, 240u}, std::pair{1u, 8u}}) {
-    const std::vector<float> a = matrixOf(rows, columns, 40, 0.97);
+    std::vector<float> a = matrixOf(rows, columns, 40, 0.97);
+    for (uint32_t r = 0; r < rows; ++r)
+      for (uint32_t i = 0; i < columns; i += 4) a[size_t{r} * columns + i] += 4;  // as transport has: its vectors hold most of constant light
     ComponentSettings settings;
     settings.most = 8;
     settings.keep = constantLights(a, rows, columns, 4);
@@ -109,6 +111,9 @@ TEST(Cpca, AKeptLightComesOutExactly) {
     const Components c = principalComponents(a, rows, columns, settings);
     EXPECT_LE(c.rank, 8u);
     EXPECT_NEAR(missing(a, rows, columns, c), c.discarded, 1e-6 * c.total);
+    ComponentSettings plain;
+    plain.most = 8;
+    EXPECT_LT(c.discarded, 1.5 * principalComponents(a, rows, columns, plain).discarded + 1e-9 * c.total);
     for (uint32_t r = 0; r < rows; ++r) {
       double exact = 0, kept = 0;
       for (uint32_t i = 0; i < columns; ++i) exact += static_cast<double>(a[size_t{r} * columns + i] * settings.keep[0][i]);
@@ -148,25 +153,6 @@ TEST(Cpca, WhatAsksOtherProbesIsToldNothingOfTheirLight) {
       for (uint32_t k = 0; k < c.rank; ++k) value += static_cast<double>(c.weights[size_t{r} * c.rank + k]) * static_cast<double>(c.basis[size_t{k} * columns + i]);
       ASSERT_NEAR(value, 0, 1e-6);
     }
-}
-
-TEST(Cpca, KeptLightsLeaveRoomForComponents) {
-  // Each receiver asks one probe of its own, and three probes are asked by none: 12 groups for 8 vectors.
-  const uint32_t probes = 15, coefficients = 4, rows = 48, columns = probes * coefficients;
-  std::vector<float> a = matrixOf(rows, columns, 40, 0.99);
-  for (uint32_t r = 0; r < rows; ++r)
-    for (uint32_t i = 0; i < columns; ++i)
-      if (i / coefficients != r % 12) a[size_t{r} * columns + i] = 0;
-  ComponentSettings settings;
-  settings.most = 8;
-  settings.keep = constantLights(a, rows, columns, coefficients);
-  EXPECT_EQ(settings.keep.size(), 12u);
-  const Components kept = principalComponents(a, rows, columns, settings);
-  EXPECT_EQ(kept.rank, 8u);
-  EXPECT_EQ(kept.singularValues.size(), 4u);
-  settings.keep.clear();
-  const Components plain = principalComponents(a, rows, columns, settings);
-  EXPECT_LT(kept.discarded, 1.25 * plain.discarded);
 }
 
 TEST(Cpca, ATolerancePicksTheRank) {

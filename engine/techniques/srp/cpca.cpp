@@ -1,5 +1,6 @@
 #include "engine/techniques/srp/cpca.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -96,26 +97,27 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
   result.total = a.squaredNorm();
   if (!(result.total > 0)) return result;
   const double limit = settings.tolerance * settings.tolerance * result.total;
-  Matrix kept;
-  if (settings.keep.empty()) {
-    kept = leading(a, settings, settings.most, result.total, limit, result.singularValues);
-  } else {
-    // The lights take the first vectors; what is left of the matrix has no part in them, and so its components stand at right angles to them.
-    const uint32_t count = std::min(static_cast<uint32_t>(settings.keep.size()), std::max(1u, settings.most / 2));
-    Matrix lights(columns, count);
-    for (uint32_t i = 0; i < count; ++i) lights.col(i) = Eigen::Map<const Eigen::VectorXf>(settings.keep[i].data(), columns).cast<double>().normalized();
-    const Matrix rest = a - (a * lights) * lights.transpose();
-    const double energy = rest.squaredNorm();
-    Matrix others(columns, 0);
-    if (settings.most > count && energy > kRankTolerance * kRankTolerance * result.total)
-      others = leading(rest, settings, settings.most - count, energy, limit, result.singularValues);
-    kept.resize(columns, others.cols() + count);
-    kept << lights, others;
-  }
+  const Matrix kept = leading(a, settings, settings.most, result.total, limit, result.singularValues);
   result.rank = static_cast<uint32_t>(kept.cols());
-  const Matrix weights = a * kept;
+  Matrix weights = a * kept;
   // By what the weights hold: exact for any orthonormal vectors, those of the range finder too.
   result.discarded = std::max(0.0, result.total - weights.squaredNorm());
+  Matrix lights(columns, settings.keep.size());
+  Eigen::Index lit = 0;
+  for (const std::vector<float>& numbers : settings.keep) {
+    const Eigen::VectorXd light = Eigen::Map<const Eigen::VectorXf>(numbers.data(), columns).cast<double>().normalized();
+    if ((kept.transpose() * light).squaredNorm() >= kLeastHeld) lights.col(lit++) = light;
+  }
+  lights.conservativeResize(Eigen::NoChange, lit);
+  if (lit > 0) {
+    // All of them together: vectors may hold a little of several.
+    const Matrix held = kept.transpose() * lights;
+    const Matrix change = (held.transpose() * held).ldlt().solve((a * lights - weights * held).transpose()).transpose() * held.transpose();
+    if (change.allFinite()) {
+      weights += change;
+      result.discarded += change.squaredNorm();
+    }
+  }
   result.basis.resize(static_cast<size_t>(result.rank) * columns);
   result.weights.resize(static_cast<size_t>(rows) * result.rank);
   for (uint32_t k = 0; k < result.rank; ++k) {

@@ -9,11 +9,11 @@ namespace hl {
 
 struct Components {
   uint32_t rank = 0;
-  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T; lights that are kept come first
+  std::vector<float> basis;     ///< rank x columns, orthonormal rows: V^T
   std::vector<float> weights;   ///< rows x rank: U Sigma
-  std::vector<double> singularValues;  ///< those kept, largest first; where lights are kept, of the rest of the matrix
+  std::vector<double> singularValues;  ///< those kept, largest first
   double total = 0;             ///< squared Frobenius norm of the matrix
-  double discarded = 0;         ///< ... of what is left out: total - sum of squares of those kept; of the exact decomposition the sum of the discarded ones'
+  double discarded = 0;         ///< ... of what is missing from it: of the exact decomposition, without lights to keep, the sum of the discarded singular values' squares
 };
 
 struct ComponentSettings {
@@ -21,14 +21,15 @@ struct ComponentSettings {
   double tolerance = 0;         ///< no more than leave out this share of the Frobenius norm; 0: as many as `most`
   bool exact = false;           ///< by all eigenvalues of the smaller Gram matrix, however large it is
   uint32_t seed = 1;            ///< of the randomised range finder
-  /// Lights (one number a column each), the weightiest first, whose transport comes out exactly at the price of a vector each; no two may share a column. They take at most half of
-  /// the vectors (one where that is all): the rest are not kept.
+  /// Lights (one number a column each) whose transport comes out exactly: each row's weights are moved by the least that does it. No two may share a column. One of which the
+  /// vectors hold less than kLeastHeld is left alone: the least that does it would be much.
   std::vector<std::vector<float>> keep = {};
 };
 
 /// Above this many rows and columns the range of the matrix is found by random projections with power iterations (Halko, Martinsson and Tropp 2011, algorithms
 /// 4.4 and 5.1), in double precision: nearly the best `most` vectors (tested) for a fraction of the time.
 inline constexpr uint32_t kExactSide = 128;
+inline constexpr double kLeastHeld = 0.25;  ///< of a light's squared norm
 
 /// `matrix`: rows x columns, row after row. Empty, zero and rank-one matrices are matrices like any other: the rank kept is never above the true one.
 Components principalComponents(std::span<const float> matrix, uint32_t rows, uint32_t columns, const ComponentSettings&);

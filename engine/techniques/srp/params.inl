@@ -45,7 +45,7 @@ PARAM_INT(pca_vectors, 32, 1, 128, 4, 128, Log, Rebuild, "vectors", "cpca: vecto
 PARAM_FLOAT(pca_tolerance, 0, 0, 1, 1e-4, 0.1, Log, Rebuild, "share",
             "cpca: a cluster keeps no more vectors than leave out this share of its transport (Frobenius norm). 0 keeps pca_vectors everywhere.")
 PARAM_BOOL(pca_keep_constant, true, Rebuild,
-           "cpca: vectors are spent on light that is the same everywhere, one for each group of probes that are asked together, so that compression neither makes nor loses it bounce by bounce. The thesis has none.")
+           "cpca: weights are moved by the least that lets light which is the same everywhere pass unchanged, so that compression neither makes nor loses it bounce by bounce. The thesis leaves them.")
 PARAM_ENUM(clustering, SrpClustering, kClusteringAabb, Rebuild, "Which receivers are computed and compressed together.")
 PARAM_INT(cluster_size, 1024, 16, 8192, 64, 4096, Log, Rebuild, "receivers", "Receivers a cluster has at most.")
 PARAM_ENUM(storage, SrpStorage, kStorageFloat32, Rebuild, "Numbers of the matrices.")
