@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "engine/gpu/timing_limits.h"
+
 namespace hl::cli {
 namespace {
 
@@ -35,7 +37,6 @@ std::string passLine(const PassStatistics& p) {
 
 std::string resultsText(const RunResults& r) {
   const FrameResult& f = *r.frame;
-  constexpr double kUnaccountedLimit = 0.1;
   std::string out = fmt::format("{}, {}, {}x{}, {} frames on {}, rays by {}\n", f.preset.scene, f.preset.technique,
                                 f.width, f.height, f.frame, f.provenance.device, f.provenance.tracer);
   if (!(f.frameTime.medianMs > 0))

@@ -6,7 +6,7 @@ halflight_root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 halflight_build_packages=(
   build-essential ccache cmake git ninja-build pkg-config
   glslang-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev libvulkan-dev libvulkan-volk-dev
-  libassimp-dev zlib1g-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools libtbb-dev
+  libassimp-dev zlib1g-dev libeigen3-dev libembree-dev libglm-dev libopenimageio-dev openimageio-tools libtbb-dev
   libcli11-dev libfmt-dev libspdlog-dev libxxhash-dev libzstd-dev nlohmann-json3-dev
   libqcustomplot-dev qt6-base-dev
   mesa-vulkan-drivers

@@ -72,6 +72,14 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
     p.parameters["lightmap.resolution"] = "48";
     p.parameters["radiosity.samples"] = "256";
   }
+  if (technique == "srp") {
+    p.parameters["lightmap.resolution"] = "48";
+    p.parameters["probes.spacing"] = "0.25";
+    p.parameters["srp.sh_order"] = "6";
+    p.parameters["srp.receiver_rays"] = "256";
+    p.parameters["srp.cluster_size"] = "128";  // so few receivers would otherwise be two clusters of half the room each
+    p.parameters["srp.cache"] = "false";
+  }
   if (technique == "ddgi") {
     p.parameters["ddgi.spacing"] = "0.25";
     p.parameters["ddgi.rays"] = "128";

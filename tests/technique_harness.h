@@ -28,6 +28,7 @@ class TechniqueHarness {
     graph = std::make_unique<FrameGraph>(*device, *shaders);
     params.add(technique->params());
     params.add(lightmapView(lightmap));
+    params.add(probesView(probes));
     params.add(directView(direct));
   }
   ~TechniqueHarness() {
@@ -60,7 +61,8 @@ class TechniqueHarness {
   }
   void rebuildTechnique() {
     Gpu gpu{*device, *shaders};
-    const SceneView view{scene, features, gpuScene, *tracer, *directLight, pool, &atlas, lightmap, direct, seed};
+    if (technique->needs().probes) placed = placeProbes(probes, scene, *embree, pool, progress);
+    const SceneView view{scene, features, gpuScene, *tracer, *directLight, pool, &atlas, lightmap, direct, seed, technique->needs().probes ? &placed : nullptr};
     technique->rebuild(gpu, view, progress);
     technique->reset();
   }
@@ -100,6 +102,7 @@ class TechniqueHarness {
   Scene scene;
   SceneFeatures features;
   LightmapParams lightmap;
+  ProbesParams probes;
   DirectParams direct;
   uint32_t seed = 1;
   TaskPool pool;
@@ -112,6 +115,7 @@ class TechniqueHarness {
   std::unique_ptr<Tracer> tracer;
   std::unique_ptr<DirectLight> directLight;
   Atlas atlas;
+  PlacedProbes placed;
   std::unique_ptr<Technique> technique;
   ParamSet params;
   BatchTimings last;

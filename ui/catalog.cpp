@@ -30,7 +30,7 @@ Catalog::Catalog() {
     auto instance = info.create();
     if (!instance->params().infos().empty()) entry.groups.push_back({entry.id, entry.label, instance->params().infos()});
     for (const ParameterGroup& group : shared_)
-      if (group.id != "lightmap" || instance->needs().lightmap) entry.groups.push_back(group);
+      if ((group.id != "lightmap" || instance->needs().lightmap) && (group.id != "probes" || instance->needs().probes)) entry.groups.push_back(group);
     for (const DebugView& view : instance->debugViews()) entry.views.push_back({view.id, view.label});
     techniques_.push_back(std::move(entry));
     instances_.push_back(std::move(instance));

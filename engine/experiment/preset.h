@@ -36,6 +36,7 @@ struct Preset {
   std::optional<Camera> camera;      ///< set when it was moved: written in place of the name
   std::optional<LightEdits> lights;  ///< JSON key "lights": the whole set, in place of the scene's
   std::optional<std::vector<Region>> regions;  ///< of interest, in place of the scene's; no picture depends on them
+  std::optional<std::vector<vec3>> probes;     ///< in place of the scene's own: for probes.placement manual
   Playback animation;
   int width = 640, height = 360;
   uint32_t seed = 1;

@@ -25,7 +25,7 @@ class PresetReader {
 
   void read(const JsonReader& root) {
     known(root,
-          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "animation", "regions", "display"});
+          {"version", "scene", "camera", "lights", "sky", "resolution", "seed", "technique", "parameters", "animation", "regions", "probes", "display"});
     preset_.scene = root.at("scene").text();
     if (preset_.scene.empty()) throw root.at("scene").refused("the name or path of a scene is wanted");
     if (root.has("camera")) readCamera(root.at("camera"));
@@ -38,6 +38,7 @@ class PresetReader {
     if (root.has("parameters")) readParameters(root.at("parameters"));
     if (root.has("animation")) readAnimation(root.at("animation"));
     if (root.has("regions")) readRegions(root.at("regions"));
+    if (root.has("probes")) readProbes(root.at("probes"));
     if (root.has("display")) readDisplay(root.at("display"));
   }
 
@@ -119,6 +120,17 @@ class PresetReader {
       throw node.refused(e.what());
     }
     preset_.regions = regions;
+  }
+
+  void readProbes(const JsonReader& node) {
+    std::vector<vec3> probes;
+    for (const JsonReader& n : node.elements("an array of places, [x, y, z] each")) probes.push_back(n.vector());
+    try {
+      checkProbes(probes);
+    } catch (const Error& e) {
+      throw node.refused(e.what());
+    }
+    preset_.probes = probes;
   }
 
   void readAnimation(const JsonReader& node) {

@@ -142,6 +142,7 @@ std::string presetSchema() {
                      {"rate", {{"type", "number"}, {"minimum", kLowestRate}, {"maximum", kHighestRate}, {"default", defaults.animation.rate}, {"description", "Frames a second of the scene's time."}}},
                      {"camera_path", {{"type", "string"}, {"description", "One of the scene's recorded flights, in place of the camera."}}}})},
       {"regions", regionsSchema()},
+      {"probes", {{"type", "array"}, {"items", vectorSchema("[x, y, z] in metres.")}, {"description", "In place of the scene's own, for probes.placement manual."}}},
       {"sky", vectorSchema("Radiance [W/(sr m^2)] from where nothing is hit; comes with lights.")},
       {"resolution",
        {{"type", "array"},

@@ -128,6 +128,10 @@ Json presetDocument(const Preset& preset, bool resolved) {
     out["lights"] = lightsJson(*preset.lights);
     out["sky"] = vector(preset.lights->sky, "sky");
   }
+  if (preset.probes) {
+    out["probes"] = Json::array();
+    for (const vec3 p : *preset.probes) out["probes"].push_back(vector(p, "probes"));
+  }
   if (resolved || preset.animation != Playback{}) out["animation"] = animationJson(preset.animation);
   out["resolution"] = {preset.width, preset.height};
   out["seed"] = preset.seed;
@@ -167,7 +171,7 @@ std::string readable(const Json& document) {
   std::string out = "{\n";
   size_t left = document.size();
   for (const auto& [key, value] : document.items()) {
-    const bool spread = (key == "parameters" || key == "lights" || key == "regions") && !value.empty();
+    const bool spread = (key == "parameters" || key == "lights" || key == "regions" || key == "probes") && !value.empty();
     out += fmt::format("  {}: ", compact(key));
     if (spread) {
       size_t inner = value.size();

@@ -1,5 +1,6 @@
 #include "engine/lightmap/inside.h"
 
+#include "engine/scene/back_faces.h"
 #include "shaders/shared/sampling.h"
 
 namespace hl {
@@ -29,12 +30,8 @@ FindInside insideTest(const Scene& scene, TaskPool& pool, float offset, CastClos
       for (size_t i = begin; i < end; ++i) {
         int backs = 0;
         for (size_t k = 0; k < kInsideRays; ++k) {
-          const shared::Hit& hit = hits[(i - begin) * kInsideRays + k];
-          if (hit.primitive == shared::kMiss) continue;
-          if (scene.materials[scene.materialIds[hit.primitive]].twoSided) continue;
-          const uvec3 t = scene.indices[hit.primitive];
-          const vec3 normal = glm::cross(scene.positions[t.y] - scene.positions[t.x], scene.positions[t.z] - scene.positions[t.x]);
-          backs += glm::dot(normal, rays[(i - begin) * kInsideRays + k].direction) > 0;
+          const size_t at = (i - begin) * kInsideRays + k;
+          backs += meetsOneSidedBack(scene, rays[at], hits[at]);
         }
         inside[i] = static_cast<float>(backs) > kInsideBackShare * kInsideRays;
       }

@@ -1,7 +1,10 @@
 #pragma once
-// The parameter groups that several techniques share: LightmapParams, DirectParams, ReferenceParams. A technique's own group is in its folder.
+// The parameter groups that several techniques share: LightmapParams, ProbesParams, DirectParams, ReferenceParams. A technique's own group is in its folder.
 // README.md beside this file says how a list file becomes a struct, a table and a GLSL block.
 #define HL_PARAM_LIST "engine/params/lightmap.inl"
+#include "engine/params/declare_group.h"
+
+#define HL_PARAM_LIST "engine/params/probes.inl"
 #include "engine/params/declare_group.h"
 
 #define HL_PARAM_LIST "engine/params/direct.inl"

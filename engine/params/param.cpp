@@ -173,7 +173,7 @@ bool ParamSet::contains(std::string_view key) const {
 }
 
 std::vector<std::span<const ParamInfo>> sharedParamGroups() {
-  return {lightmapParamInfos(), directParamInfos(), referenceParamInfos()};
+  return {lightmapParamInfos(), probesParamInfos(), directParamInfos(), referenceParamInfos()};
 }
 
 }  // namespace hl

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/vector_relational.hpp>
 #include <set>
 
@@ -55,6 +56,13 @@ void checkRegions(const std::vector<Region>& regions) {
                                  r.x, r.y, r.width, r.height));
     if (r.name.empty() || !names.insert(r.name).second) throw badInput(fmt::format("region '{}': a name of its own is wanted", r.name));
   }
+}
+
+void checkProbes(const std::vector<vec3>& probes) {
+  for (size_t i = 0; i < probes.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(std::abs(probes[i][axis]) <= kFarthestProbe))
+        throw badInput(fmt::format("probe {}: {} is no place; three numbers of metres are wanted, each within {:.0e} of 0", i + 1, probes[i][axis], kFarthestProbe));
 }
 
 SceneFeatures sceneFeatures(const Scene& scene) {
@@ -116,6 +124,7 @@ void recentreScene(Scene& scene) {
   for (PointLight& l : scene.pointLights) l.position -= shift;
   for (SpotLight& l : scene.spotLights) l.position -= shift;
   for (Camera& c : scene.cameras) c.position -= shift, c.target -= shift;
+  for (vec3& p : scene.probes) p -= shift;
   for (ObjectAnimation& a : scene.animations) a.pivot -= shift;
   for (LightAnimation& a : scene.lightAnimations)
     for (LightKey& k : a.keys) k.position -= shift;

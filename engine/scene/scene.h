@@ -114,6 +114,10 @@ struct Region {
 /// @throws Error(BadInput) for one that is empty or reaches beyond the picture, and for names that are missing or not their own.
 void checkRegions(const std::vector<Region>&);
 
+inline constexpr float kFarthestProbe = 1e9f;  ///< [m] along an axis
+/// @throws Error(BadInput) for one that is not finite or farther away than kFarthestProbe, by its number from 1.
+void checkProbes(const std::vector<vec3>&);
+
 /// What the import changed or passed over; shown by doctor and the Scene dock.
 struct ImportReport {
   uint64_t degenerateTriangles = 0;  ///< zero-area triangles, dropped
@@ -145,6 +149,7 @@ struct Scene {
 
   std::vector<Camera> cameras;  ///< at least one after loading
   std::vector<Region> regions;
+  std::vector<vec3> probes;     ///< those set by hand [m]; no part of the content that `hash` tells
 
   std::vector<ObjectAnimation> animations;        ///< geometry above is the rest pose, until a ScenePose brings it to a moment
   std::vector<LightAnimation> lightAnimations;

@@ -37,6 +37,7 @@ class Reader {
     if (const Json* v = o.find("sky")) d.sky = JsonObject::asVec3(*v, o.at("sky"), 0, kBrightest, true);
     each(o, "cameras", [&](const Json& v, const std::string& place) { d.cameras.push_back(camera(v, place)); });
     each(o, "regions", [&](const Json& v, const std::string& place) { d.regions.push_back(region(v, place)); });
+    each(o, "probes", [&](const Json& v, const std::string& place) { d.probes.push_back(JsonObject::asVec3(v, place, -kFarthest, kFarthest)); });
     each(o, "animations", [&](const Json& v, const std::string& place) { readAnimation(d, v, place); });
     each(o, "camera_paths", [&](const Json& v, const std::string& place) { d.cameraPaths.push_back(readCameraPath(v, place)); });
     for (size_t i = 0; i < d.cameraPaths.size(); ++i)

@@ -69,6 +69,7 @@ struct SceneDescription {
   vec3 sky{0.0f};
   std::vector<Camera> cameras;
   std::vector<Region> regions;
+  std::vector<vec3> probes;
   std::vector<AnimationDescription> animations;
   std::vector<std::pair<std::string, LightAnimation>> lightAnimations;  ///< with their places
   std::vector<CameraPath> cameraPaths;

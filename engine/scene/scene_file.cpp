@@ -127,6 +127,7 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
   scene.sky = d.sky;
   scene.cameras = d.cameras;
   scene.regions = d.regions;
+  scene.probes = d.probes;
   applyAnimations(scene, d);
   return scene;
 }

@@ -69,6 +69,7 @@ void whole(Stream& s, Scene& scene) {
   lights(s, scene);
   s.list(scene.cameras, [&](Camera& c) { s.text(c.name), s.value(c.position), s.value(c.target), s.value(c.up), s.value(c.verticalFov); });
   s.list(scene.regions, [&](Region& g) { s.text(g.name), s.value(g.x), s.value(g.y), s.value(g.width), s.value(g.height); });
+  s.array(scene.probes);
   s.list(scene.animations, [&](ObjectAnimation& a) {
     s.text(a.name), s.array(a.objects), s.value(a.pivot), s.value(a.axis), s.value(a.repeat), s.flag(a.eased), s.array(a.keys);
   });

@@ -100,6 +100,10 @@ std::string sceneJson(const Scene& scene) {
   root["lights"] = lights(scene);
   root["sky"] = numbers(scene.sky);
   root["cameras"] = cameras(scene);
+  if (!scene.probes.empty() || root.contains("probes")) {
+    root["probes"] = Json::array();
+    for (const vec3 p : scene.probes) root["probes"].push_back(numbers(p + scene.report.recentred));
+  }
   if (!scene.cameraPaths.empty()) root["camera_paths"] = cameraPaths(scene);
   return root.dump(2) + "\n";
 }

@@ -37,7 +37,7 @@ std::shared_ptr<const Scene> summaryOf(const Scene& scene, const ScenePose& pose
   out->name = scene.name, out->source = scene.source, out->hash = scene.hash;
   out->objects = scene.objects, out->materials = scene.materials, out->hasUvs = scene.hasUvs;
   pose.restLights(*out);
-  out->sky = scene.sky, out->cameras = scene.cameras, out->regions = scene.regions;
+  out->sky = scene.sky, out->cameras = scene.cameras, out->regions = scene.regions, out->probes = scene.probes;
   out->animations = scene.animations, out->lightAnimations = scene.lightAnimations, out->cameraPaths = scene.cameraPaths;
   out->bounds = scene.bounds, out->report = scene.report;
   return out;
@@ -98,6 +98,7 @@ void Session::Impl::collectParams() {
   params = ParamSet();
   params.add(technique->params());
   params.add(lightmapView(lightmap));
+  params.add(probesView(probes));
   params.add(directView(direct));
   params.add(referenceView(reference));
 }
@@ -176,10 +177,11 @@ void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
   summarise();
   directLight = std::make_unique<DirectLight>(device, shaders, gpuScene, *tracer);
   atlas.reset();
+  placed.reset();
   cornerUvs = {};
   pickPixel.reset();
   previousCamera.reset();
-  atlasStale = techniqueStale = resetWanted = true;
+  atlasStale = probesStale = techniqueStale = resetWanted = true;
 }
 
 void Session::Impl::makeTechnique(const std::string& id) {
@@ -199,11 +201,13 @@ void Session::load(const Preset& preset, Progress* progress, const std::shared_p
   // Checked on fresh groups first, so that a bad key or value leaves the session as it was.
   auto technique = techniqueInfo(preset.technique).create();
   LightmapParams lightmap;
+  ProbesParams probes;
   DirectParams direct;
   ReferenceParams reference;
   ParamSet set;
   set.add(technique->params());
   set.add(lightmapView(lightmap));
+  set.add(probesView(probes));
   set.add(directView(direct));
   set.add(referenceView(reference));
   for (const auto& [key, text] : preset.parameters) {
@@ -221,14 +225,21 @@ void Session::load(const Preset& preset, Progress* progress, const std::shared_p
     checkRegions(*preset.regions);
     scene->regions = *preset.regions;
   }
+  const std::vector<vec3> ownProbes = scene->probes;
+  if (preset.probes) {
+    checkProbes(*preset.probes);
+    scene->probes = *preset.probes;
+  }
 
   s.install(std::move(scene), p);
   s.sceneRegions = ownRegions;
+  s.sceneProbes = ownProbes;
   s.preset = preset;
   s.preset.warnings.clear();
   s.otherTechniques.clear();
   s.technique = std::move(technique);
   s.lightmap = lightmap;
+  s.probes = probes;
   s.direct = direct;
   s.reference = reference;
   s.collectParams();
@@ -246,6 +257,7 @@ void Session::setScene(const std::string& nameOrPath, Progress* progress) {
   next.camera.reset();
   next.lights.reset();
   next.regions.reset();
+  next.probes.reset();
   next.animation = {};
   const std::map<std::string, std::map<std::string, std::string>> others = impl_->otherTechniques;
   load(next, progress);
@@ -282,6 +294,10 @@ void Session::setParam(const std::string& key, const std::string& text) {
   if (found.view->get(*found.info) == value) return;
   found.view->set(*found.info, value);
   if (found.info->group == "lightmap") s.atlasStale = true;
+  if (found.info->group == "probes") {
+    s.probesStale = true;
+    if (!s.technique->needs().probes) return;  // nothing here depends on them
+  }
   if (found.info->group == "reference") {
     // What was traced so far goes to the cache: a larger number of samples goes on from there.
     for (const ReferenceRun* run : {&s.full, &s.matched, &s.lightmapRun})
@@ -384,6 +400,20 @@ void Session::setRegions(const std::optional<std::vector<Region>>& regions) {
   s.lastMeasurementMs = -1e9;  // measured with the next frame
 }
 
+void Session::setProbes(const std::optional<std::vector<vec3>>& probes) {
+  Impl& s = *impl_;
+  if (probes) checkProbes(*probes);
+  const std::vector<vec3>& next = probes ? *probes : s.sceneProbes;
+  const bool changed = next != s.scene->probes;
+  s.preset.probes = probes;
+  if (!changed) return;
+  s.scene->probes = next;
+  s.summarise();
+  if (s.probes.placement != kPlacementManual) return;
+  s.probesStale = true;
+  if (s.technique->needs().probes) s.want(Effect::Rebuild);
+}
+
 void Session::setWorkPaused(bool paused) { impl_->workPaused = paused; }
 void Session::cancelWork() {
   impl_->workStopped = true;
@@ -415,6 +445,7 @@ const Scene& Session::scene() const { return *impl_->scene; }
 const SceneFeatures& Session::features() const { return impl_->features; }
 Device& Session::device() { return impl_->device; }
 Technique& Session::technique() { return *impl_->technique; }
+const PlacedProbes* Session::probes() const { return impl_->placed.get(); }
 const Atlas* Session::atlas() const { return impl_->atlas ? &*impl_->atlas : nullptr; }
 Transport Session::transport() const { return impl_->technique->transport(); }
 

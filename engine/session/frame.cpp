@@ -178,6 +178,11 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   for (const MemoryItem& m : s.technique->memory()) r.memory.push_back({s.preset.technique + ": " + m.name, m.bytes});
   r.memory.push_back({"device: all blocks", s.device.bytesAllocated()});
   r.counters = {{"nan_inf", s.nonFinite}, {"negative", s.negative}};
+  if (s.technique->needs().probes && s.placed) {
+    r.counters.push_back({"probes", static_cast<double>(s.placed->count())});
+    r.counters.push_back({"probes_inside_geometry", static_cast<double>(s.placed->insideGeometry)});
+    r.counters.push_back({"probes_coverage", s.placed->coverage});
+  }
   for (const auto& c : s.technique->counters()) r.counters.push_back(c);
   if (s.full.result) r.counters.push_back({"reference_back_face_hits", static_cast<double>(s.full.result->backFaceHits)});
   const WorkState work = s.held ? WorkState{} : s.technique->work();
@@ -212,6 +217,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.features = s.features;
   r.triangles = s.scene->triangles();
   if (s.atlas) r.atlas = s.atlas->report;
+  if (s.technique->needs().probes && s.placed) r.probes = s.placed;
   r.preset = preset();
   if (s.preset.animation.play) ++s.clockFrame;
   return result;

@@ -76,18 +76,30 @@ void Session::Impl::buildLightmap(Progress& p) {
   lightmapRun.drop();
 }
 
+void Session::Impl::placeProbes(Progress& p) {
+  freshEmbree();
+  placed = std::make_shared<const PlacedProbes>(hl::placeProbes(probes, *scene, *embree, pool, p));
+  for (const std::string& line : placed->warnings) logWarning(line);
+  probesStale = false;
+  techniqueStale = true;
+}
+
 void Session::Impl::prepare(Progress& p) {
   moveToMoment();
   if (!displayCounters) displayCounters = device.buffer("display: counters", 2 * sizeof(uint32_t));
   const bool renderable = features.surfaces && features.anyLight();
-  if (!held && renderable && ((technique->needs().lightmap && (atlasStale || !atlas)) || techniqueStale)) {
+  const auto atlasWanted = [&] { return technique->needs().lightmap && (atlasStale || !atlas); };
+  const auto probesWanted = [&] { return technique->needs().probes && (probesStale || !placed); };
+  if (!held && renderable && (atlasWanted() || probesWanted() || techniqueStale)) {
     const double began = nowMs();
     try {
-      if (technique->needs().lightmap && (atlasStale || !atlas)) buildLightmap(p);
+      if (atlasWanted()) buildLightmap(p);
+      if (probesWanted()) placeProbes(p);
       if (techniqueStale) {
         device.waitIdle();
         view.emplace(SceneView{*scene, features, gpuScene, *tracer, *directLight, pool,
-                               technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed});
+                               technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed,
+                               technique->needs().probes ? placed.get() : nullptr});
         Gpu gpu{device, shaders};
         technique->rebuild(gpu, *view, p);
         madeAt = time;

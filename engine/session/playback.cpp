@@ -105,9 +105,9 @@ void Session::Impl::moveToMoment() {
     if (!technique->follows(Change::Geometry)) geometryMissed = true;
   }
   if (moved.geometry || moved.lights) measuredSettled = false;
-  if (techniqueStale || (atlasStale && technique->needs().lightmap)) geometryMissed = false;  // it is about to be made anyway
+  if (techniqueStale || (atlasStale && technique->needs().lightmap) || (probesStale && technique->needs().probes)) geometryMissed = false;  // it is about to be made anyway
   const bool still = !timeRuns() && !moved.geometry && !moved.lights;
-  if (still && geometryMissed) atlasStale = techniqueStale = true, held = false;
+  if (still && geometryMissed) atlasStale = probesStale = techniqueStale = true, held = false;
   if (still && (geometryMissed || lightsMissed)) want(Effect::Reset);
   if (still) geometryMissed = lightsMissed = false;
 }

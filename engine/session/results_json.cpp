@@ -127,7 +127,15 @@ void writeResultMembers(JsonWriter& w, const RunResults& r) {
   for (const ErrorValue& e : r.errors) writeError(w, e);
   w.endArray().key("counters").beginObject();
   for (const auto& [name, value] : f.counters) w.member(name, value);
-  w.endObject().key("convergence").beginArray();
+  w.endObject();
+  if (f.probes) {
+    const PlacedProbes& p = *f.probes;
+    w.key("probes").beginObject();
+    w.member("count", static_cast<uint64_t>(p.count())).member("coverage", p.coverage).member("seconds", p.seconds).member("candidates", p.candidates);
+    w.member("rejected_inside", p.rejectedInside).member("rejected_near", p.rejectedNear).member("moved", p.moved).member("merged", p.merged);
+    w.member("inside_geometry", p.insideGeometry).endObject();
+  }
+  w.key("convergence").beginArray();
   for (const ConvergencePoint& point : *f.convergence)
     if (const ErrorValue* e = plotted(point.errors))
       w.beginObject().member("frame", point.frame).member("ms", point.ms).member("relmse", e->value).endObject();

@@ -125,6 +125,7 @@ struct FrameResult {
   SceneFeatures features;
   uint64_t triangles = 0;
   AtlasReport atlas;                 ///< zero where the technique has no lightmap
+  std::shared_ptr<const PlacedProbes> probes;  ///< null where the technique needs none
   Preset preset;                     ///< as it stands
   /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
   std::map<std::string, std::shared_ptr<const Image>> images;
@@ -165,6 +166,8 @@ class Session {
   /// part of the preset.
   void setImagesWanted(const std::vector<std::string>& names);
   void setRegions(const std::optional<std::vector<Region>>&);  ///< of interest, in place of the scene's (none: those): errors are measured for each
+  /// Manual probes, in place of the scene's (none: those). @throws Error(BadInput) as checkProbes.
+  void setProbes(const std::optional<std::vector<vec3>>&);
   void setWorkPaused(bool);
   void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
   void restartWork();
@@ -178,6 +181,7 @@ class Session {
   Device& device();
   Technique& technique();
   const Atlas* atlas() const;
+  const PlacedProbes* probes() const;       ///< null where the technique needs none, or they are not placed yet
   Transport transport() const;
 
   /// Drains edits, renders one frame, publishes. Between frames it gives long work `slice_ms`.

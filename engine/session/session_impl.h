@@ -68,6 +68,7 @@ struct Session::Impl {
   std::shared_ptr<const Scene> summary;  ///< published with results
   SceneFeatures features;
   std::vector<Region> sceneRegions;      ///< as the scene's file has them
+  std::vector<vec3> sceneProbes;         ///< likewise
   std::string transportKey;               ///< of the paths the matched reference was limited to
   bool smoothNormals = false;            ///< some vertex normal differs from its triangle's: mapped and geometric receivers differ
   std::shared_ptr<EmbreeScene> embree;
@@ -75,10 +76,12 @@ struct Session::Impl {
   std::unique_ptr<Tracer> tracer;
   std::unique_ptr<DirectLight> directLight;
   std::optional<Atlas> atlas;
+  std::shared_ptr<const PlacedProbes> placed;  ///< made anew only where scene or probes.* changed
   Buffer cornerUvs;
 
   Preset preset;  ///< scene, camera, resolution, seed, technique, display; parameters live in the groups below
   LightmapParams lightmap;
+  ProbesParams probes;
   DirectParams direct;
   ReferenceParams reference;
   std::unique_ptr<Technique> technique;
@@ -86,7 +89,7 @@ struct Session::Impl {
   ParamSet params;
   std::map<std::string, std::map<std::string, std::string>> otherTechniques;  ///< parameters of techniques that are not shown now
 
-  bool atlasStale = true, techniqueStale = true, resetWanted = true;
+  bool atlasStale = true, probesStale = true, techniqueStale = true, resetWanted = true;
   bool held = false;           ///< a rebuild was cancelled or failed: frames go on without indirect light until restartWork()
   bool workStopped = false, workPaused = false, referenceWanted = false, referenceStopped = false;
   bool serialisedTiming = false;
@@ -161,6 +164,7 @@ struct Session::Impl {
   // long_work.cpp
   void prepare(Progress&);
   void buildLightmap(Progress&);
+  void placeProbes(Progress&);
   void runWork(double budgetMs, Progress&);
   /// A slice of it, as part of all that preparation and work may take. @throws Error(Run) where that is over.
   void runWorkWithin(double limitMs, Progress&);

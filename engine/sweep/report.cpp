@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/gpu/timing_limits.h"
 #include "engine/sweep/results_folder.h"
 
 namespace hl {
@@ -76,12 +77,13 @@ std::string configurationTable(const SweepResults& r, const Summary& s, size_t p
     }
     out += "\n";
   }
-  constexpr double kUnaccountedLimit = 0.1;
   std::string unaccounted;
   for (const ConfigurationSummary& c : s.configurations)
     if (c.problem == problem && c.unaccounted > kUnaccountedLimit)
       unaccounted += fmt::format("{}{} ({:.0f} %)", unaccounted.empty() ? "" : "; ", cell(r.configurations[c.configuration].label()), 100 * c.unaccounted);
-  if (!unaccounted.empty()) out += "\nOf these a frame's time is in no pass to more than a tenth, so their passes do not tell the whole: " + unaccounted + ".\n";
+  if (!unaccounted.empty())
+    out += fmt::format("\nOf these a frame's time is in no pass to more than {:.0f} %, so their passes do not tell the whole: {}.\n", 100 * kUnaccountedLimit,
+                       unaccounted);
   return out + "\n";
 }
 

@@ -13,6 +13,7 @@
 #include "engine/params/param.h"
 #include "engine/passes/direct_light.h"
 #include "engine/passes/gbuffer.h"
+#include "engine/placement/placement.h"
 #include "engine/scene/gpu_scene.h"
 #include "engine/techniques/transport.h"
 #include "engine/trace/tracer.h"
@@ -43,6 +44,7 @@ struct SceneView {
   const LightmapParams& lightmap;
   const DirectParams& direct;
   uint32_t seed = 1;
+  const PlacedProbes* probes = nullptr;  ///< where Needs::probes
 };
 
 struct FrameInputs {
@@ -104,6 +106,7 @@ class Technique {
   struct Needs {
     bool lightmap = false;
     bool motion = false;             ///< GBuffer::motion
+    bool probes = false;             ///< SceneView::probes, placed by the parameters probes.*
   };
   virtual ~Technique() = default;
   virtual Needs needs() const { return {}; }

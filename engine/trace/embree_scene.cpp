@@ -47,6 +47,27 @@ void copyLanes(std::array<T, kPacketRays>& to, const U (&from)[kPacketRays]) {
   std::memcpy(to.data(), from, sizeof from);
 }
 
+/// The point of a triangle that is closest to p (Ericson 2005, section 5.1.5).
+vec3 closestOnTriangle(vec3 p, vec3 a, vec3 b, vec3 c) {
+  const vec3 ab = b - a, ac = c - a, ap = p - a;
+  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const vec3 bp = p - b;
+  const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const float vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return a + ab * (d1 / (d1 - d3));
+  const vec3 cp = p - c;
+  const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const float vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return a + ac * (d2 / (d2 - d6));
+  const float va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6 && d4 - d3 + d5 - d6 > 0) return b + (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6));
+  const float sum = va + vb + vc;
+  return sum > 0 ? a + ab * (vb / sum) + ac * (vc / sum) : a;  // a triangle of no area is one of its edges, tried above
+}
+
 }  // namespace
 
 /// What stays and what moves are geometries of their own, and so are opaque triangles and those with an alpha test.
@@ -249,6 +270,36 @@ bool EmbreeScene::occluded(const shared::Ray& r) const {
   RTCRay ray = toEmbree(r);
   rtcOccluded1(impl_->scene, &context, &ray);
   return ray.tfar < 0;
+}
+
+NearestPoint EmbreeScene::nearest(vec3 point, float radius) const {
+  struct Search {
+    const EmbreeScene* self;
+    vec3 point;
+    NearestPoint best;
+  } search{this, point, {kNone, radius, vec3(0.0f)}};
+  RTCPointQuery query;
+  query.x = point.x, query.y = point.y, query.z = point.z;
+  query.radius = radius, query.time = 0;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(
+      impl_->scene, &query, &context,
+      [](RTCPointQueryFunctionArguments* args) {
+        auto& s = *static_cast<Search*>(args->userPtr);
+        const uint32_t triangle = s.self->impl_->sceneTriangle(args->geomID, args->primID);
+        const uvec3 t = s.self->scene_.indices[triangle];
+        const std::vector<vec3>& p = s.self->scene_.positions;
+        const vec3 at = closestOnTriangle(s.point, p[t.x], p[t.y], p[t.z]);
+        const float distance = glm::length(at - s.point);
+        if (!(distance < s.best.distance || (distance == s.best.distance && triangle < s.best.triangle))) return false;
+        const bool closer = distance < s.best.distance;
+        s.best = {triangle, distance, at};
+        if (closer) args->query->radius = distance;
+        return closer;
+      },
+      &search);
+  return search.best;
 }
 
 void EmbreeScene::closest(std::span<const shared::Ray> rays, std::span<shared::Hit> hits) const {

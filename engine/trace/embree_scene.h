@@ -11,6 +11,13 @@
 
 namespace hl {
 
+/// The point of the scene's surfaces that is closest to another.
+struct NearestPoint {
+  uint32_t triangle = kNone;  ///< none within the distance asked for
+  float distance = 0;         ///< [m]
+  vec3 position{0.0f};
+};
+
 class EmbreeScene {
  public:
   /// Keeps a reference to `scene` (positions, UVs and textures for alpha tests): it must outlive this.
@@ -29,6 +36,8 @@ class EmbreeScene {
   void occluded(std::span<const shared::Ray>, std::span<uint32_t>) const;
   /// The packet's first `count` rays, on this thread.
   void closest(RayPacket&, size_t count) const;
+  /// Within `radius` [m]; of several at one distance that of the lowest triangle. Alpha tests are not asked. Thread-safe.
+  NearestPoint nearest(vec3 point, float radius) const;
   const Scene& scene() const { return scene_; }
   uint64_t bytes() const;  ///< what Embree and this hold
 

@@ -134,7 +134,7 @@ TEST(Params, SharedGroupsHoldWhatTheDesignStates) {
   EXPECT_EQ(lightmap.resolution, 256);
   EXPECT_EQ(lightmap.dilation, 2);
   EXPECT_FLOAT_EQ(lightmap.uv_overlap_tolerance, 0.001f);
-  EXPECT_EQ(sharedParamGroups().size(), 3u);
+  EXPECT_EQ(sharedParamGroups().size(), 4u);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ layout(rgba32f) readonly uniform image2D before;
 layout(rgba32f) writeonly uniform image2D after;
 #endif
 
-layout(scalar) uniform grid_block { DdgiGrid grid; };
+#include "engine/techniques/ddgi/proximity.glsl"
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer radiance_block { vec4 radiance[]; };
 layout(scalar) readonly buffer probes_block { vec4 probes[]; };

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Mean and mean square of distances over a narrow lobe round each texel's direction. No bounce follows bounce here: a mean over frames from the start.
+// Mean and mean square of proximities (proximity.glsl) over a narrow lobe round each texel's direction. No bounce follows bounce here: a mean over frames from the start.
 #define HL_DDGI_DISTANCE
 #include "engine/techniques/ddgi/blend.glsl"
 
@@ -35,7 +35,7 @@ void main() {
       const vec2 known = imageLoad(before, origin + at + 1).xy;
       // A lobe that few rays fell into says little: it moves what is known by as much less.
       const float moves = frames == 0.0 ? 1.0 : (1.0 - kept) * min(1.0, sum.z);
-      vec2 now = sum.z > 0.0 ? sum.xy / sum.z : vec2(grid.farthest, grid.farthest * grid.farthest);
+      vec2 now = sum.z > 0.0 ? sum.xy / sum.z : vec2(proximity(kNothing), proximity(kNothing) * proximity(kNothing));
       if (moves < 1.0) now = mix(known, now, moves);
       tile[texel] = now;
       if (anyNan(now)) atomicAdd(counters[kCountNan], 1u);

@@ -68,8 +68,8 @@ class Ddgi final : public Technique {
     add(kProbesView, "Probes: irradiance", shown_, true);
     add(kStatesView, "Probes: active (green), relocated (blue), inside (red), without surfaces (grey)", shown_, false);
     add("irradiance_atlas", "Probes' maps of irradiance / pi", probes_ ? probes_->irradianceAtlas() : GpuImage(), true);
-    add(kDistancesView, "Probes' maps of distance: mean (red), deviation (green), of what they reach; not asked (blue)", distances_, false);
-    add("distance_atlas", "... as they are: distance [m] (red) and its square (green)", probes_ ? probes_->distanceAtlas() : GpuImage(), true);
+    add(kDistancesView, "Probes' maps of distance: mean (red), deviation (green); not asked (blue)", distances_, false);
+    add("distance_atlas", "... as they are: mean of 1 / distance [1/m] (red), of its square (green)", probes_ ? probes_->distanceAtlas() : GpuImage(), true);
     return views;
   }
 

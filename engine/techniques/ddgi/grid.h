@@ -9,7 +9,7 @@ struct DdgiGrid {
   vec3 first;           ///< where probe (0, 0, 0) stands before relocation
   float leastSpacing;   ///< the smallest of the three: biases are shares of it
   vec3 spacing;         ///< [m]
-  float farthest;       ///< distances are cut here [m]
+  float farthest;       ///< plain distances are cut here [m]
   uvec3 counts;
   uint tilesAcross;     ///< probes in a row of the atlases
 };
@@ -41,6 +41,7 @@ HL_CONST float kBacktrack = 0.01f;
 // Weights of a probe (Majercik et al. 2019, section 5.2; 2021).
 HL_CONST float kLeastTrilinear = 0.01f;    ///< so that the one probe that sees a point counts however far along the cell it stands (0.001 in the source)
 HL_CONST float kFacingOffset = 0.2f;       ///< of ((cosine + 1) / 2)^2
+HL_CONST float kProximityOffset = 0.01f;   ///< added to distances before their reciprocals are taken [spacings]: a surface that touches a probe is finitely near
 HL_CONST float kLeastWeight = 0.000001f;   ///< likewise, before crushing: the sum of weights of active probes is never 0
 HL_CONST float kCrushBelow = 0.2f;
 HL_CONST float kChangedHistoryShare = 0.25f;  ///< of the history's weight where change_threshold is passed

@@ -5,9 +5,9 @@
 #include "shaders/shared/octahedral.h"
 #include "shaders/shared/params.glsl"
 #include "engine/techniques/ddgi/params.inl"
+#include "engine/techniques/ddgi/proximity.glsl"
 #include "shaders/shared/sampling.h"
 
-layout(scalar) uniform grid_block { DdgiGrid grid; };
 uniform samplerBuffer probes;  // position, state
 uniform sampler2D irradianceAtlas;
 uniform sampler2D distanceAtlas;
@@ -30,8 +30,9 @@ float probeVisibility(uint probe, vec3 fromProbe) {
   const float away = length(fromProbe);
   if (away == 0.0) return 1.0;
   const vec2 moments = textureLod(distanceAtlas, atlasPlace(probe, fromProbe, ddgi.distance_texels, vec2(textureSize(distanceAtlas, 0))), 0.0).xy;
-  if (away <= moments.x) return 1.0;
-  const float variance = abs(moments.y - moments.x * moments.x), beyond = away - moments.x;
+  const float near = proximity(away);
+  if (near >= moments.x) return 1.0;
+  const float variance = abs(moments.y - moments.x * moments.x), beyond = moments.x - near;
   const float bound = variance / (variance + beyond * beyond);
   return max(ddgi.visibility_floor, pow(bound, ddgi.visibility_power));
 }

@@ -11,6 +11,12 @@ PARAM_ENUM_VALUE(kRotationPerFrame, 0, "per_frame", "All probes turn their rays 
 PARAM_ENUM_VALUE(kRotationPerProbe, 1, "per_probe", "Each probe turns its own: errors of neighbours cancel in part.")
 PARAM_ENUM_END(DdgiRotation)
 
+PARAM_ENUM_BEGIN(DdgiMoments)
+PARAM_ENUM_VALUE(kMomentsReciprocal, 0, "reciprocal",
+                 "Of reciprocal distances: what lies far beyond a wall's edge weighs little, and walls seen at a slant stay closed.")
+PARAM_ENUM_VALUE(kMomentsPlain, 1, "plain", "Of distances (the source).")
+PARAM_ENUM_END(DdgiMoments)
+
 PARAM_GROUP_BEGIN(ddgi, DdgiParams)
 
 PARAM_FLOAT(spacing, 0.125, 0.01, 1, 0.03, 0.5, Log, Rebuild, "of the longest side",
@@ -35,6 +41,7 @@ PARAM_FLOAT(distance_exponent, 50, 1, 200, 5, 100, Log, Reset, "exponent", "Shar
 PARAM_FLOAT(normal_bias, 0.1, 0, 1, 0, 0.5, Linear, Reset, "spacings", "How far points move along their normal before they ask probes.")
 PARAM_FLOAT(view_bias, 0.2, 0, 1, 0, 0.5, Linear, Reset, "spacings", "How far points move towards the viewer, or the ray's origin, before they ask probes.")
 PARAM_BOOL(visibility, true, Reset, "Weighs a probe by the chance that it sees the point (Chebyshev's inequality on its map of distances).")
+PARAM_ENUM(visibility_moments, DdgiMoments, kMomentsReciprocal, Reset, "What the maps of distance hold the mean and the mean square of.")
 PARAM_FLOAT(visibility_power, 6, 1, 16, 1, 10, Linear, Reset, "exponent",
             "Of Chebyshev's bound. 3 is usual; more lets less through walls that a probe stands close behind.")
 PARAM_FLOAT(visibility_floor, 0, 0, 1, 0, 0.2, Linear, Reset, "share",

@@ -13,7 +13,7 @@ layout(scalar) readonly buffer hits_block { Hit hits[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
 layout(scalar) readonly buffer albedo_block { vec4 albedo[]; };
 layout(scalar) readonly buffer direct_block { vec4 direct[]; };
-layout(scalar) writeonly buffer radiance_block { vec4 radiance[]; };  // w: distance, cut at the grid's farthest
+layout(scalar) writeonly buffer radiance_block { vec4 radiance[]; };  // w: proximity
 layout(scalar) buffer counters_block { uint counters[]; };
 layout(push_constant, scalar) uniform Constants { DdgiBatch batch; };
 
@@ -21,9 +21,9 @@ shared uint withoutProbe;
 
 vec4 returned(uint i) {
   const SurfacePoint p = points[i];
-  if (p.flags == kHitNothing) return vec4(vec3(0.0), grid.farthest);
-  const float away = min(hits[i].t, grid.farthest);
-  if (p.flags == kHitBackFace) return vec4(vec3(0.0), away);
+  if (p.flags == kHitNothing) return vec4(vec3(0.0), proximity(kNothing));
+  const float near = proximity(hits[i].t);
+  if (p.flags == kHitBackFace) return vec4(vec3(0.0), near);
   const vec4 d = direct[i];
   vec3 e = d.w > 0.0 ? d.xyz / d.w : vec3(0.0);
   if (ddgi.multi_bounce != 0) {
@@ -31,7 +31,7 @@ vec4 returned(uint i) {
     e += cached.xyz;
     if (cached.w == 0.0) atomicAdd(withoutProbe, 1u);
   }
-  return vec4(albedo[i].xyz * e / kPi, away);
+  return vec4(albedo[i].xyz * e / kPi, near);
 }
 
 void main() {

@@ -5,7 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/techniques/radiosity/directions.h"
-#include "engine/techniques/radiosity/lumel_rays.h"
+#include "shaders/shared/lumel_rays.h"
 #include "shaders/shared/ray.h"
 
 namespace hl {
@@ -41,15 +41,13 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   castLumels_ = std::clamp(largest / samples, 1u, unit.lumels);
   cachedLumels_ = std::clamp(unit.cached / samples, 1u, unit.lumels);
   checkSize("radiosity: lumels", lumels_ * sizeof(shared::SurfacePoint));
-  checkSize("radiosity: lumel of texel", uint64_t{4} * resolution_ * resolution_);
   if (!onHost && 2 * scene.scene.triangles() > device_.maxTexelBufferElements())
     throw Error(ErrorKind::TooLarge, "radiosity: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                        std::to_string(device_.maxTexelBufferElements() / 2) + ")");
 
   LightmapTables tables = makeLightmapTables(scene.scene, atlas, scene.lightmap.dilation, progress);
   reflectance_ = device_.buffer("radiosity: reflectance", std::span<const vec4>(tables.reflectance));
-  lumelOfTexel_ = device_.buffer("radiosity: lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
-  chartOfTexel_ = device_.buffer("radiosity: chart of texel", std::span<const uint32_t>(tables.chartOfTexel));
+  images_ = std::make_unique<LightmapImages>(device_, "radiosity", atlas, tables, scene.lightmap.dilation);
   const std::vector<vec4> directions = makeDirections(progress);
   directions_ = device_.buffer("radiosity: directions", directions.size() * sizeof(vec4), TexelFormat::RGBA32F);
   device_.upload(directions_, directions.data(), directions.size() * sizeof(vec4));
@@ -70,11 +68,7 @@ RadiosityBake::RadiosityBake(Gpu& gpu, const SceneView& scene, const RadiosityPa
   }
   codes_ = device_.buffer("radiosity: codes", unitRays * sizeof(uint32_t));
   allocateCache();
-  const ImageDesc desc{atlas.resolution, atlas.resolution, Format::RGBA32F};
-  lightmap_ = device_.image("radiosity: lightmap", desc);
-  if (scene.lightmap.dilation > 0) spare_ = device_.image("radiosity: dilated lightmap", desc);
-  dilated_ = scene.lightmap.dilation % 2 == 1 ? spare_ : lightmap_;
-  directImage_ = device_.image("radiosity: direct lightmap", desc);
+  directImage_ = images_->image("direct lightmap");
   restart(params);
 }
 
@@ -252,14 +246,13 @@ void RadiosityBake::recordCast(FrameGraph& graph, const Piece& piece, const Buff
       .push(unit)
       .dispatch(piece.count);
   scene_.tracer.record(graph, "radiosity: cast rays", rays_, hits_, count, Query::Closest);
-  graph.compute("radiosity: find texels", "radiosity/find_texels.comp")
+  graph.compute("radiosity: find texels", "passes/find_lumels.comp")
       .bind("rays", rays_, Access::Read)
       .bind("hits", hits_, Access::Read)
       .bind("triangles", triangles_, Access::Read)
-      .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+      .bind("lumelOfTexel", images_->lumelOfTexel(), Access::Read)
       .bind("codes", codes, Access::Write)
-      .uniform("radiosity", params_)
-      .push(unit)
+      .push(shared::LumelSearch{count, codeBase, resolution_})
       .dispatchThreads(count);
 }
 
@@ -288,7 +281,7 @@ void RadiosityBake::recordGather(FrameGraph& graph, const Piece& piece, const Bu
 }
 
 void RadiosityBake::recordReflect(FrameGraph& graph) {
-  graph.compute("radiosity: reflect", "radiosity/reflect.comp")
+  graph.compute("radiosity: reflect", "passes/lightmap_reflect.comp")
       .bind("reflectance", reflectance_, Access::Read)
       .bind("direct", direct_, Access::Read)
       .bind("irradiance", irradiance_, Access::Read)
@@ -316,37 +309,11 @@ void RadiosityBake::recordResidual(FrameGraph& graph) {
 
 void RadiosityBake::recordImages(FrameGraph& graph) {
   recordClears(graph);
-  const auto side = resolution_;
-  if (directImageStale_) {
-    graph.compute("radiosity: write direct lightmap", "radiosity/write_lightmap.comp")
-        .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
-        .bind("values", direct_, Access::Read)
-        .bind("lightmap", directImage_, Access::Write)
-        .specialize("kSums", 1)
-        .dispatchThreads(side, side);
-    directImageStale_ = false;
-  }
-  if (!imageStale_) {
-    graph.skip("radiosity: write lightmap", "nothing changed");
-    graph.skip("radiosity: dilate", "nothing changed");
-    return;
-  }
+  if (directImageStale_) images_->recordMeans(graph, "direct lightmap", direct_, directImage_);
+  directImageStale_ = false;
+  if (imageStale_) images_->record(graph, irradiance_);
+  else images_->skip(graph, "nothing changed");
   imageStale_ = false;
-  graph.compute("radiosity: write lightmap", "radiosity/write_lightmap.comp")
-      .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
-      .bind("values", irradiance_, Access::Read)
-      .bind("lightmap", lightmap_, Access::Write)
-      .specialize("kSums", 0)
-      .dispatchThreads(side, side);
-  if (scene_.lightmap.dilation == 0) graph.skip("radiosity: dilate", "lightmap.dilation is 0");
-  for (int ring = 0; ring < scene_.lightmap.dilation; ++ring) {
-    graph.compute("radiosity: dilate", "radiosity/dilate.comp")
-        .bind("chartOfTexel", chartOfTexel_, Access::Read)
-        .bind("from", ring % 2 == 0 ? lightmap_ : spare_, Access::Read)
-        .bind("to", ring % 2 == 0 ? spare_ : lightmap_, Access::Write)
-        .specialize("kFirstRing", ring == 0)
-        .dispatchThreads(side, side);
-  }
 }
 
 }  // namespace hl

@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/lightmap/tables.h"
+#include "engine/passes/lightmap_images.h"
 #include "engine/techniques/radiosity/host_units.h"
-#include "engine/techniques/radiosity/lightmap_tables.h"
 #include "engine/techniques/radiosity/params.h"
 #include "engine/techniques/technique.h"
 
@@ -26,9 +27,8 @@ class RadiosityBake {
   void recordImages(FrameGraph&);
 
   uint32_t lumels() const { return lumels_; }
-  const GpuImage& lightmap() const { return dilated_; }
+  LightmapImages& images() { return *images_; }
   const GpuImage& directLightmap() const { return directImage_; }
-  const Buffer& chartOfTexel() const { return chartOfTexel_; }
   const Buffer& irradiance() const { return irradiance_; }
 
   std::vector<MemoryItem> memory() const;
@@ -65,13 +65,14 @@ class RadiosityBake {
   uint32_t lumels_ = 0, resolution_ = 0;
   uint32_t castLumels_ = 0, cachedLumels_ = 0;  ///< lumels a unit, with rays and without
 
-  Buffer points_, reflectance_, triangles_, lumelOfTexel_, chartOfTexel_, directions_;
+  Buffer points_, reflectance_, triangles_, directions_;
+  std::unique_ptr<LightmapImages> images_;
   Buffer direct_, irradiance_, radiance_, counters_;
   Buffer rays_, hits_, codes_;       ///< rays and hits: where they are not made and used on the host
   std::shared_ptr<HostUnits> host_;   ///< where rays are cast on the host, and that is the device too
   std::vector<Buffer> cache_;
   uint32_t lumelsPerCache_ = 0, cacheCapacity_ = 0;
-  GpuImage lightmap_, spare_, dilated_, directImage_;
+  GpuImage directImage_;
 
   float offset_ = -1;
   uint32_t cached_ = 0;          ///< lumels from the start whose hits are remembered

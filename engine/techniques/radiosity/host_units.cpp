@@ -4,7 +4,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "engine/techniques/radiosity/lumel_rays.h"
+#include "shaders/shared/lumel_rays.h"
 
 namespace hl {
 namespace {

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // A lumel's rays: the same set of directions for all, shifted (or turned) by a hash of the lumel, so that its error is noise and not a pattern.
-#include "engine/techniques/radiosity/lumel_rays.h"
+#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/lumel_rays.h"
 #include "shaders/shared/params.glsl"
 #include "engine/techniques/radiosity/params.inl"
 #include "shaders/shared/ray.h"

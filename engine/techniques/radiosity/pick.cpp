@@ -18,17 +18,15 @@ std::vector<MemoryItem> RadiosityBake::memory() const {
   };
   add("lumels", {points_, reflectance_, direct_, irradiance_, radiance_});
   add("triangles", {triangles_});
-  add("texel tables", {lumelOfTexel_, chartOfTexel_});
   add("directions", {directions_});
   add("rays of a unit", {rays_, hits_, codes_});
   if (host_) items.push_back({"tables on the host", host_->bytes()});
   uint64_t cache = 0;
   for (const Buffer& b : cache_) cache += b.size();
   items.push_back({"hit cache", cache});
-  uint64_t images = 0;
-  for (const GpuImage& image : {lightmap_, spare_, directImage_})
-    if (image) images += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
-  items.push_back({"lightmap images", images});
+  if (images_)
+    for (auto& [name, bytes] : images_->memory()) items.push_back({name, bytes});
+  if (directImage_) items.push_back({"direct lightmap", uint64_t{16} * resolution_ * resolution_});
   return items;
 }
 

@@ -2,21 +2,8 @@
 #define HALFLIGHT_RADIOSITY_UNIT_H
 // What C++ and the shaders agree on about one unit of a bake.
 #include "shaders/shared/interop.h"
+#include "shaders/shared/lightmap_codes.h"
 HL_BEGIN
-
-/// What a ray met: the index of a lumel, or one of these. They are larger than any index.
-HL_CONST uint kCodeMiss = 0xffffffffu;
-HL_CONST uint kCodeBackFace = 0xfffffffeu;   ///< of a surface: reflects nothing
-HL_CONST uint kCodeNoTexel = 0xfffffffdu;    ///< a surface without a valid texel near
-HL_CONST uint kFirstCode = 0xfffffff0u;
-
-/// In the table from texels to lumels: the texel has no lumel of its own and borrows that of a neighbour of the same chart.
-HL_CONST uint kBorrowed = 0x80000000u;
-HL_CONST uint kNoLumel = 0xffffffffu;
-
-/// Labels of texels that belong to no chart, and of those between two.
-HL_CONST uint kNoChart = 0xffffffffu;
-HL_CONST uint kMixedChart = 0xfffffffeu;
 
 /// Counters, each a pair of words: low, high.
 HL_CONST uint kCountBackFace = 0u;

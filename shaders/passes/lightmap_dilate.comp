@@ -3,7 +3,7 @@
 // One ring further, from neighbours that have a value, of the same chart where the texel is next to one alone. The first ring carries on the slope of
 // the two texels behind each neighbour: pixels between a chart's last texel centres and its rim read it, and along contact lines light falls off steeply
 // there. Cut off at nothing, it keeps a pixel within half to one and a half of the last texel. Further rings take the mean.
-#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/lightmap_codes.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Lumels into the lightmap's image. Alpha is 1 where a texel has its own, else 0.
-#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/lightmap_codes.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The lightmap at pixels. Texels of other charts are left out and the weights of the rest scaled up, so nothing leaks across seams.
-#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/lightmap_codes.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

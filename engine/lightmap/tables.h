@@ -1,5 +1,5 @@
 #pragma once
-// The atlas in the form that radiosity's shaders read.
+// The atlas in the form that shaders read.
 #include <cstdint>
 #include <vector>
 

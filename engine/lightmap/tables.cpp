@@ -1,8 +1,8 @@
-#include "engine/techniques/radiosity/lightmap_tables.h"
+#include "engine/lightmap/tables.h"
 
 #include <cmath>
 
-#include "engine/techniques/radiosity/unit.h"
+#include "shaders/shared/lightmap_codes.h"
 
 namespace hl {
 namespace {

@@ -1,9 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // From hits to the lumels that were hit. A pass of its own, so that a cached ray goes the very same way as a new one.
-#include "engine/techniques/radiosity/lumel_rays.h"
-#include "shaders/shared/params.glsl"
-#include "engine/techniques/radiosity/params.inl"
+#include "shaders/shared/lumel_rays.h"
 #include "shaders/shared/ray.h"
 
 layout(local_size_x = 64) in;
@@ -13,18 +11,18 @@ layout(scalar) readonly buffer hits_block { Hit hits[]; };
 uniform samplerBuffer triangles;
 layout(scalar) readonly buffer lumelOfTexel_block { uint lumelOfTexel[]; };
 layout(scalar) writeonly buffer codes_block { uint codes[]; };
-layout(push_constant, scalar) uniform Constants { RadiosityUnit unit; };
+layout(push_constant, scalar) uniform Constants { LumelSearch search; };
 
 void main() {
   uint r = gl_GlobalInvocationID.x;
-  if (r >= unit.lumels * uint(radiosity.samples)) return;
+  if (r >= search.rays) return;
   Hit hit = hits[r];
   uint code = kCodeMiss;
   if (hit.primitive != kMiss) {
     vec4 first = texelFetch(triangles, int(2u * hit.primitive));
     vec4 second = texelFetch(triangles, int(2u * hit.primitive + 1u));
     vec3 direction = texelFetch(rays, int(2u * r + 1u)).xyz;
-    code = hitsBack(second, direction) ? kCodeBackFace : codeOfLumel(lumelOfTexel[texelHit(first, second, hit.u, hit.v, unit.resolution)]);
+    code = hitsBack(second, direction) ? kCodeBackFace : codeOfLumel(lumelOfTexel[texelHit(first, second, hit.u, hit.v, search.resolution)]);
   }
-  codes[unit.codeBase + r] = code;
+  codes[search.codeBase + r] = code;
 }

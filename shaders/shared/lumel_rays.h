@@ -1,7 +1,7 @@
-#ifndef HALFLIGHT_RADIOSITY_LUMEL_RAYS_H
-#define HALFLIGHT_RADIOSITY_LUMEL_RAYS_H
-// A lumel's rays, and the texels that they hit: written once for the shaders (make_rays.comp, find_texels.comp) and the host (host_units.cpp).
-#include "engine/techniques/radiosity/unit.h"
+#ifndef HALFLIGHT_LUMEL_RAYS_H
+#define HALFLIGHT_LUMEL_RAYS_H
+// A lumel's rays, and the texels that they hit: written once for shaders and host.
+#include "shaders/shared/lightmap_codes.h"
 #include "shaders/shared/sampling.h"
 HL_BEGIN
 
@@ -35,14 +35,16 @@ HL_INLINE vec2 turned(vec2 point, vec2 turn) { return vec2(turn.x * point.x - tu
 /// Height of the hemisphere over a point of the unit disc.
 HL_INLINE float hemisphereHeight(vec2 d) { return sqrt(max(0.0f, 1.0f - d.x * d.x - d.y * d.y)); }
 
-/// From the table of triangles, two entries each: uv of corner 0, edge to 1; edge to 2, normal (octahedral).
-HL_INLINE bool hitsBack(vec4 second, vec3 direction) {
+/// From the table of triangles, two entries each: uv of corner 0, edge to 1; edge to 2, normal (octahedral). Its direction, of any length.
+HL_INLINE vec3 tableDirection(vec4 second) {
   vec3 n = vec3(second.z, second.w, 1.0f - abs(second.z) - abs(second.w));
   float fold = max(-n.z, 0.0f);
   n.x += n.x >= 0.0f ? -fold : fold;
   n.y += n.y >= 0.0f ? -fold : fold;
-  return dot(n, direction) >= 0.0f;
+  return n;
 }
+HL_INLINE bool hitsBack(vec4 second, vec3 direction) { return dot(tableDirection(second), direction) >= 0.0f; }
+HL_INLINE vec3 tableNormal(vec4 second) { return normalize(tableDirection(second)); }
 
 /// Index in the map from texels to lumels. What is negative rounds to 0 or is cut off there.
 HL_INLINE uint texelHit(vec4 first, vec4 second, float u, float v, uint resolution) {

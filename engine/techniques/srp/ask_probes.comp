@@ -1,0 +1,38 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Mutual visibility (section 5.6.4): rays from what a receiver sees to each probe that it asks. Those that need no cast are inactive (tMin > tMax): probes
+// behind the surface, empty slots, backs of surfaces.
+#include "engine/techniques/srp/unit.h"
+#include "shaders/shared/lumel_rays.h"
+#include "shaders/shared/ray.h"
+
+layout(local_size_x = 64) in;
+
+layout(scalar) readonly buffer rays_block { Ray rays[]; };
+layout(scalar) readonly buffer hits_block { Hit hits[]; };
+layout(scalar) readonly buffer near_block { SrpNear near[]; };
+layout(scalar) readonly buffer probes_block { vec4 probes[]; };
+uniform samplerBuffer triangles;
+layout(scalar) writeonly buffer questions_block { Ray questions[]; };
+layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= unit.receivers * unit.samples * unit.slots) return;
+  uint r = i / unit.slots;
+  SrpNear n = near[(r / unit.samples) * unit.slots + i % unit.slots];
+  Ray question = Ray(vec3(0.0), 1.0, vec3(0.0, 0.0, 1.0), 0.0);
+  if (n.weight > 0.0) {
+    Ray ray = rays[r];
+    Hit hit = hits[r];
+    vec3 probe = probes[n.probe].xyz;
+    if (hit.primitive == kMiss) {
+      if (unit.environment != 0u) question = Ray(probe, 0.0, ray.direction, kRayEnd);
+    } else {
+      vec3 normal = tableNormal(texelFetch(triangles, int(2u * hit.primitive + 1u)));
+      vec3 at = ray.origin + hit.t * ray.direction + unit.offset * normal;
+      if (dot(normal, ray.direction) < 0.0 && dot(normal, probe - at) > 0.0) question = Ray(at, 0.0, probe - at, 1.0);
+    }
+  }
+  questions[i] = question;
+}

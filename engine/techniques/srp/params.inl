@@ -1,0 +1,66 @@
+// Sparse radiance probes (Bennett 2019, chapters 4 and 5; Silvennoinen and Lehtinen 2017).
+PARAM_ENUM_BEGIN(SrpSupport)
+PARAM_ENUM_VALUE(kSupportProbeRadius, 0, "probe_radius", "All probes nearer than a radius that is the same everywhere (the thesis).")
+PARAM_ENUM_VALUE(kSupportReceiverRadius, 1, "receiver_radius", "The nearest probes, up to a number: each receiver has a radius of its own.")
+PARAM_ENUM_END(SrpSupport)
+
+PARAM_ENUM_BEGIN(SrpCompression)
+PARAM_ENUM_VALUE(kCompressionNone, 0, "none", "Every transport vector is kept as it is.")
+PARAM_ENUM_VALUE(kCompressionCpca, 1, "cpca", "Clustered principal components: a few vectors a cluster, and each receiver's weights of them.")
+PARAM_ENUM_END(SrpCompression)
+
+PARAM_ENUM_BEGIN(SrpClustering)
+PARAM_ENUM_VALUE(kClusteringAabb, 0, "aabb", "Boxes round receivers, halved along their longest side (the thesis).")
+PARAM_ENUM_VALUE(kClusteringLbg, 1, "lbg", "Split in two by nearest means of position and normal (Linde, Buzo and Gray 1980), so that a cluster faces one way.")
+PARAM_ENUM_END(SrpClustering)
+
+PARAM_ENUM_BEGIN(SrpStorage)
+PARAM_ENUM_VALUE(kStorageFloat32, 0, "float32", "4 bytes a number.")
+PARAM_ENUM_VALUE(kStorageFloat16, 1, "float16", "2 bytes a number.")
+PARAM_ENUM_END(SrpStorage)
+
+PARAM_ENUM_BEGIN(SrpWindow)
+PARAM_ENUM_VALUE(kWindowNone, 0, "none", "Bands as they are.")
+PARAM_ENUM_VALUE(kWindowHann, 1, "hann", "Bands fade out as half a cosine.")
+PARAM_ENUM_VALUE(kWindowLanczos, 2, "lanczos", "Bands fade out as a sinc.")
+PARAM_ENUM_END(SrpWindow)
+
+PARAM_ENUM_BEGIN(SrpSampleWeight)
+PARAM_ENUM_VALUE(kSampleWeightValid, 0, "valid", "The mean is over samples that some probe can speak for.")
+PARAM_ENUM_VALUE(kSampleWeightAll, 1, "all", "The mean is over all samples: what no probe sees counts as dark (figure 5.6, left).")
+PARAM_ENUM_END(SrpSampleWeight)
+
+PARAM_GROUP_BEGIN(srp, SrpParams)
+
+PARAM_INT(sh_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
+          "Highest band of the spherical harmonics that hold a probe's radiance: (order + 1)^2 coefficients. Sharper light for more memory and time.")
+PARAM_INT(receiver_rays, 1024, 16, 16384, 64, 4096, Log, Rebuild, "rays", "Rays a receiver casts once, to find what it sees. Precomputation time grows with them.")
+PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
+          "Rays a probe casts once. What they hit is looked up in the lightmap in every frame.")
+PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
+PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
+PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")
+PARAM_ENUM(compression, SrpCompression, kCompressionCpca, Rebuild, "How transport vectors are kept.")
+PARAM_INT(pca_vectors, 32, 1, 128, 4, 128, Log, Rebuild, "vectors", "cpca: vectors a cluster keeps at most.")
+PARAM_FLOAT(pca_tolerance, 0, 0, 1, 1e-4, 0.1, Log, Rebuild, "share",
+            "cpca: a cluster keeps no more vectors than leave out this share of its transport (Frobenius norm). 0 keeps pca_vectors everywhere.")
+PARAM_BOOL(pca_keep_constant, true, Rebuild,
+           "cpca: one of the vectors is spent on light that is the same everywhere, which then passes unchanged, so that compression neither makes nor loses it bounce by bounce. The thesis has none.")
+PARAM_ENUM(clustering, SrpClustering, kClusteringAabb, Rebuild, "cpca: which receivers are compressed together.")
+PARAM_INT(cluster_size, 1024, 16, 8192, 64, 4096, Log, Rebuild, "receivers", "Receivers a cluster has at most.")
+PARAM_ENUM(storage, SrpStorage, kStorageFloat32, Rebuild, "Numbers of the matrices.")
+PARAM_BOOL(multi_bounce, true, Reset, "Probes see the last frame's indirect light too: all bounces, one a frame. Off: the first alone.")
+PARAM_INT(update_frames, 1, 1, 16, 1, 16, Log, Reset, "frames",
+          "Frames in which all probes have been updated once: each frame takes one probe in so many (probe update fraction 1 / this).")
+PARAM_ENUM(window, SrpWindow, kWindowNone, Live, "Takes ringing out of the probes' light, and sharpness with it. The mean (band 0) stays as it is.")
+PARAM_BOOL(environment_rays, true, Rebuild,
+           "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
+PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightValid, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
+PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance. Either way it is counted.")
+PARAM_INT(precompute_memory_mb, 512, 16, 65536, 64, 8192, Log, Rebuild, "MiB",
+          "Memory that precomputation works in, results apart. Less makes it slower; it never changes what is computed but by rounding.")
+PARAM_BOOL(cache, true, Rebuild, "Finished clusters are kept on disk, by content: what was stopped goes on there, and what was done is not done again.")
+PARAM_INT(slice_ms, 30, 1, 1000, 5, 200, Log, Live, "ms", "Precomputation done between two frames. Changes how long a frame waits, never the result.")
+
+PARAM_GROUP_END(srp, SrpParams)

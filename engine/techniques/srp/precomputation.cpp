@@ -1,0 +1,241 @@
+#include "engine/techniques/srp/precomputation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/core/error.h"
+#include "engine/core/hash.h"
+#include "engine/techniques/srp/cpca.h"
+#include "shaders/shared/ray.h"
+#include "shaders/shared/spherical_harmonics.h"
+
+namespace hl {
+namespace {
+
+/// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
+constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
+/// Counts with the results: whoever changes what is computed raises it.
+constexpr uint32_t kVersion = 2;
+
+constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
+constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t);
+
+}  // namespace
+
+Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, Progress& progress)
+    : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles) {
+  const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
+  coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
+  offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
+  progress.begin("receivers and their probes", 1);
+  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_);
+  progress.check();
+  allocate(scene);
+  if (params.cache) {
+    store_ = std::make_shared<TransportStore>(key(scene));
+    *finished_ = store_->read(clusters_.clusters.size());
+    for (size_t i = 0; i < finished_->size(); ++i) {
+      const ReceiverCluster& c = clusters_.clusters[i];
+      const ClusterTransport& t = (*finished_)[i];
+      if (t.receivers == c.receivers && t.columns == c.probes.size() * coefficients_) continue;
+      throw Error(ErrorKind::Run, store_->file().string() + ": does not fit what it was made for; delete it");
+    }
+    fromDisk_ = cluster_ = finished_->size();
+  }
+  for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
+  for (size_t i = 0; i < cluster_; ++i) unitsDone_ += unitsOf(clusters_.clusters[i]);
+}
+
+/// Of all that decides about the coefficients.
+std::string Precomputation::key(const SceneView& scene) const {
+  Hasher h;
+  h.value(kVersion).text(device_.info().name).text(device_.info().driver).text(scene.tracer.id()).value(scene.seed).value(offset_);
+  h.array(scene.scene.positions).array(scene.scene.indices).array(scene.scene.materialIds);
+  for (const Material& m : scene.scene.materials) {
+    h.value(m.twoSided).value(m.alphaCutoff);
+    if (m.alphaCutoff > 0 && m.albedoTexture != kNone) h.array(scene.scene.textures[m.albedoTexture].rgba).array(scene.scene.uvs);
+  }
+  h.array(scene.probes->positions);
+  h.value<uint64_t>(scene.atlas->lumels.size());
+  for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
+  h.value(params_.sh_order).value(params_.receiver_rays).value(params_.support).value(params_.radius).value(params_.k);
+  h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.pca_keep_constant).value(params_.clustering).value(params_.cluster_size);
+  h.value(params_.environment_rays).value(params_.sample_weight);
+  return h.hex();
+}
+
+void Precomputation::allocate(const SceneView& scene) {
+  const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
+  uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
+  for (const ReceiverCluster& c : clusters_.clusters) {
+    matrix = std::max<uint64_t>(matrix, uint64_t{c.receivers} * c.probes.size() * coefficients_);
+    near = std::max<uint64_t>(near, c.near.size());
+    receivers = std::max<uint64_t>(receivers, c.receivers);
+    slots = std::max<uint64_t>(slots, c.slots);
+    leastQuestions = std::max<uint64_t>(leastQuestions, uint64_t{c.receivers} * c.slots);
+  }
+  // Each question belongs to a ray, of which there are fewer the more slots a receiver has; a unit takes at least one sample of each receiver.
+  const uint64_t questionBytes = kBytesAQuestion + kBytesARay;
+  const uint64_t fixed = 4 * matrix + sizeof(shared::SrpNear) * near + 4 * receivers;
+  const uint64_t largest = device_.maxStorageBufferBytes();
+  const uint64_t least = fixed + leastQuestions * questionBytes;
+  if (least > budget)
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: a cluster of {} receivers needs {} MiB to be computed in, and srp.precompute_memory_mb is {}; lower srp.cluster_size",
+                                                 receivers, (least >> 20) + 1, params_.precompute_memory_mb));
+  if (4 * matrix > largest || leastQuestions * sizeof(shared::Ray) > largest)
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: a cluster's {} MiB are more than a buffer of this device holds ({}); lower srp.cluster_size",
+                                                 (std::max(4 * matrix, leastQuestions * sizeof(shared::Ray)) >> 20) + 1, largest >> 20));
+  const uint64_t wanted = std::min(device_.isCpu() ? kUnitRaysOnCpu : kUnitRaysOnGpu, largest / sizeof(shared::Ray));
+  unitQuestions_ = std::max(leastQuestions, std::min(wanted, (budget - fixed) / questionBytes));
+
+  std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, offset_), sorted;
+  sorted.reserve(points.size());
+  for (uint32_t lumel : clusters_.lumelOfReceiver) {
+    sorted.push_back(points[lumel]);
+    sorted.back().flags = lumel;
+  }
+  points_ = device_.buffer("srp: receivers", std::span<const shared::SurfacePoint>(sorted));
+  std::vector<vec4> probes;
+  for (vec3 p : scene.probes->positions) probes.push_back(vec4(p, 0.0f));
+  probes_ = device_.buffer("srp: probes", std::span<const vec4>(probes));
+  near_ = device_.buffer("srp: probes of receivers", sizeof(shared::SrpNear) * near);
+  rays_ = device_.buffer("srp: rays", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
+  hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * unitQuestions_);
+  scales_ = device_.buffer("srp: scales", sizeof(float) * unitQuestions_);
+  questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
+  blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
+  matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
+  valid_ = device_.buffer("srp: valid samples", 4 * receivers);
+}
+
+uint32_t Precomputation::samplesPerUnit(const ReceiverCluster& c) const {
+  const uint64_t samples = unitQuestions_ / (uint64_t{c.receivers} * c.slots);
+  return static_cast<uint32_t>(std::clamp<uint64_t>(samples, 1, static_cast<uint64_t>(params_.receiver_rays)));
+}
+
+uint64_t Precomputation::unitsOf(const ReceiverCluster& c) const {
+  const uint32_t samples = samplesPerUnit(c);
+  return (static_cast<uint32_t>(params_.receiver_rays) + samples - 1) / samples;
+}
+
+WorkState Precomputation::work() const {
+  WorkState state;
+  state.done = unitsDone_;
+  state.total = unitsTotal_;
+  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", cluster_ + 1, clusters_.clusters.size());
+  return state;
+}
+
+void Precomputation::beginCluster(FrameGraph& graph) {
+  const ReceiverCluster& c = clusters_.clusters[cluster_];
+  device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
+  graph.clear("srp: clear transport", matrix_);
+  graph.clear("srp: clear valid samples", valid_);
+}
+
+void Precomputation::recordUnit(FrameGraph& graph) {
+  if (work().settled()) return;
+  const ReceiverCluster& c = clusters_.clusters[cluster_];
+  if (sample_ == 0) beginCluster(graph);
+  const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
+  const uint32_t rays = c.receivers * samples, questions = rays * c.slots;
+  shared::SrpUnit unit{};
+  unit.firstReceiver = c.firstReceiver, unit.receivers = c.receivers;
+  unit.firstSample = sample_, unit.samples = samples;
+  unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
+  unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
+  unit.order = params_.sh_order, unit.offset = offset_;
+
+  graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
+  scene_.tracer.record(graph, "srp: cast rays", rays_, hits_, rays, Query::Closest);
+  graph.compute("srp: ask probes", "srp/ask_probes.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("hits", hits_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("probes", probes_, Access::Read)
+      .bind("triangles", triangles_, Access::Read)
+      .bind("questions", questions_, Access::Write)
+      .push(unit)
+      .dispatchThreads(questions);
+  scene_.tracer.record(graph, "srp: mutual visibility", questions_, blocked_, questions, Query::Any);
+  graph.compute("srp: weigh", "srp/weigh.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("hits", hits_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("questions", questions_, Access::Read)
+      .bind("blocked", blocked_, Access::Read)
+      .bind("triangles", triangles_, Access::Read)
+      .bind("scales", scales_, Access::Write)
+      .push(unit)
+      .dispatchThreads(rays);
+  graph.compute("srp: accumulate", "srp/accumulate.comp")
+      .bind("hits", hits_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("questions", questions_, Access::Read)
+      .bind("blocked", blocked_, Access::Read)
+      .bind("scales", scales_, Access::Read)
+      .bind("matrix", matrix_, Access::ReadWrite)
+      .bind("valid", valid_, Access::ReadWrite)
+      .push(unit)
+      .dispatchThreads(c.receivers * c.slots);
+  sample_ += samples;
+  raysCast_ += rays + questions;
+  ++unitsDone_;
+  if (sample_ < static_cast<uint32_t>(params_.receiver_rays)) {
+    graph.skip("srp: compress", "the cluster's rays are not all cast");
+    return;
+  }
+  recordCompression(graph);
+  sample_ = 0;
+  ++cluster_;
+}
+
+void Precomputation::recordCompression(FrameGraph& graph) {
+  const ReceiverCluster& c = clusters_.clusters[cluster_];
+  graph.host("srp: compress")
+      .read(matrix_)
+      .read(valid_)
+      .run([params = params_, matrix = matrix_, valid = valid_, finished = finished_, store = store_, receivers = c.receivers,
+            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, seed = scene_.seed](HostAccess& memory) {
+        const auto all = static_cast<float>(params.receiver_rays);
+        const std::span<float> counts = memory.span<float>(valid), sums = memory.span<float>(matrix);
+        ClusterTransport t;
+        t.receivers = receivers, t.columns = columns;
+        std::vector<float> alpha(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(size_t{receivers} * columns));
+        for (size_t r = 0; r < receivers; ++r) {
+          t.valid.push_back(counts[r] / all);
+          const float mean = params.sample_weight == kSampleWeightAll ? all : counts[r];
+          const float scale = mean > 0 ? kPi / mean : 0.0f;
+          for (size_t i = 0; i < columns; ++i) alpha[r * columns + i] *= scale;
+        }
+        if (params.compression == kCompressionNone) {
+          for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
+          t.rank = columns;
+          t.weights = std::move(alpha);
+        } else {
+          ComponentSettings settings;
+          settings.most = static_cast<uint32_t>(params.pca_vectors);
+          settings.tolerance = static_cast<double>(params.pca_tolerance);
+          settings.seed = seed;
+          if (params.pca_keep_constant) settings.keep = constantLights(alpha, receivers, columns, coefficients);
+          Components p = principalComponents(alpha, receivers, columns, settings);
+          t.rank = p.rank;
+          t.basis = std::move(p.basis);
+          t.weights = std::move(p.weights);
+          t.total = p.total, t.discarded = p.discarded;
+        }
+        if (store) store->append(t);
+        finished->push_back(std::move(t));
+      });
+}
+
+void Precomputation::release() { near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = {}; }
+
+uint64_t Precomputation::workingBytes() const {
+  uint64_t bytes = 0;
+  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_}) bytes += *b ? b->size() : 0;
+  return bytes;
+}
+
+}  // namespace hl

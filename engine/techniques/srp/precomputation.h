@@ -1,0 +1,56 @@
+#pragma once
+// Transport coefficients alpha_ij (Bennett 2019, sections 4.4 and 5.6), cluster after cluster, in numbered units of some rays each.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/lightmap/tables.h"
+#include "engine/techniques/srp/cluster_transport.h"
+#include "engine/techniques/srp/clusters.h"
+#include "engine/techniques/srp/store.h"
+#include "engine/techniques/technique.h"
+
+namespace hl {
+
+class Precomputation {
+ public:
+  /// Clusters, working memory, and what the cache on disk has. `triangles`: LightmapTables::triangles on the device.
+  /// @throws Error(TooLarge) naming what does not fit, and what would; Error(Cancelled)
+  Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, Progress&);
+
+  WorkState work() const;
+  void recordUnit(FrameGraph&);
+
+  const ReceiverClusters& clusters() const { return clusters_; }
+  const std::vector<ClusterTransport>& transport() const { return *finished_; }
+  /// Drops the working memory; to be called once work() has settled.
+  void release();
+  uint64_t clustersFromDisk() const { return fromDisk_; }
+  uint64_t workingBytes() const;
+  uint64_t raysCast() const { return raysCast_; }
+
+ private:
+  uint64_t unitsOf(const ReceiverCluster&) const;
+  uint32_t samplesPerUnit(const ReceiverCluster&) const;
+  std::string key(const SceneView&) const;
+  void allocate(const SceneView&);
+  void beginCluster(FrameGraph&);
+  void recordCompression(FrameGraph&);
+
+  Device& device_;
+  SceneView scene_;
+  SrpParams params_;
+  ReceiverClusters clusters_;
+  std::shared_ptr<std::vector<ClusterTransport>> finished_ = std::make_shared<std::vector<ClusterTransport>>();
+  std::shared_ptr<TransportStore> store_;
+  Buffer triangles_, points_, probes_, near_, rays_, hits_, questions_, blocked_, scales_, matrix_, valid_;
+  uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
+  size_t cluster_ = 0;            ///< being computed
+  uint32_t sample_ = 0;           ///< of that cluster, done
+  uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;
+  float offset_ = 0;
+  uint32_t coefficients_ = 1;
+};
+
+}  // namespace hl

@@ -1,0 +1,18 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Rays of probes [first, first + count), the same directions for all.
+#include "shaders/shared/lumel_rays.h"
+#include "shaders/shared/ray.h"
+
+layout(local_size_x = 64) in;
+
+layout(scalar) readonly buffer probes_block { vec4 probes[]; };
+layout(scalar) readonly buffer directions_block { vec4 directions[]; };
+layout(scalar) writeonly buffer rays_block { Ray rays[]; };
+layout(push_constant, scalar) uniform Constants { uint first, count, samples; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= count * samples) return;
+  rays[i] = Ray(probes[first + i / samples].xyz, 0.0, directions[i % samples].xyz, kRayEnd);
+}

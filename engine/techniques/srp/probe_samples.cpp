@@ -1,0 +1,84 @@
+#include "engine/techniques/srp/probe_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/core/error.h"
+#include "shaders/shared/lightmap_codes.h"
+#include "shaders/shared/ray.h"
+
+namespace hl {
+namespace {
+constexpr uint32_t kUnitRays = 1u << 16;
+}
+
+std::vector<vec3> sphereDirections(uint32_t count) {
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<vec3> directions;
+  directions.reserve(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(std::max(0.0, 1 - z * z)), angle = golden * i;
+    directions.push_back(vec3(static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)), static_cast<float>(z)));
+  }
+  return directions;
+}
+
+ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel)
+    : device_(gpu.device), scene_(scene), samples_(samples), directions_(sphereDirections(samples)), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
+  probes_ = static_cast<uint32_t>(scene.probes->count());
+  probesAUnit_ = std::clamp(kUnitRays / samples, 1u, std::max(1u, probes_));
+  units_ = (probes_ + probesAUnit_ - 1) / probesAUnit_;
+  const uint64_t bytes = uint64_t{4} * probes_ * samples;
+  if (bytes > device_.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, "srp: " + std::to_string(probes_) + " probes with " + std::to_string(samples) + " rays each need " + std::to_string(bytes >> 20) +
+                                       " MiB, more than a buffer of this device holds; lower srp.probe_rays");
+  std::vector<vec4> positions, table;
+  for (vec3 p : scene.probes->positions) positions.push_back(vec4(p, 0.0f));
+  for (vec3 d : directions_) table.push_back(vec4(d, 0.0f));
+  positions_ = device_.buffer("srp: probes", std::span<const vec4>(positions));
+  directionTable_ = device_.buffer("srp: directions", std::span<const vec4>(table));
+  const uint64_t rays = uint64_t{probesAUnit_} * samples;
+  rays_ = device_.buffer("srp: probes' rays", rays * sizeof(shared::Ray), TexelFormat::RGBA32F);
+  hits_ = device_.buffer("srp: probes' hits", rays * sizeof(shared::Hit));
+  codes_ = device_.buffer("srp: what probes see", std::max<uint64_t>(4, bytes));
+}
+
+void ProbeSamples::recordUnit(FrameGraph& graph) {
+  const auto first = static_cast<uint32_t>(done_) * probesAUnit_;
+  const uint32_t count = std::min(probesAUnit_, probes_ - first), rays = count * samples_;
+  struct Constants {
+    uint32_t first, count, samples;
+  } constants{first, count, samples_};
+  graph.compute("srp: make probes' rays", "srp/probe_rays.comp")
+      .bind("probes", positions_, Access::Read)
+      .bind("directions", directionTable_, Access::Read)
+      .bind("rays", rays_, Access::Write)
+      .push(constants)
+      .dispatchThreads(rays);
+  scene_.tracer.record(graph, "srp: cast probes' rays", rays_, hits_, rays, Query::Closest);
+  graph.compute("srp: find lumels", "passes/find_lumels.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("hits", hits_, Access::Read)
+      .bind("triangles", triangles_, Access::Read)
+      .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+      .bind("codes", codes_, Access::Write)
+      .push(shared::LumelSearch{rays, first * samples_, static_cast<uint32_t>(scene_.atlas->resolution)})
+      .dispatchThreads(rays);
+  ++done_;
+}
+
+ProbeSamples::Counts ProbeSamples::counts() const {
+  Counts counts;
+  std::vector<uint32_t> codes(std::min<uint64_t>(done_ * probesAUnit_, probes_) * samples_);
+  if (codes.empty()) return counts;
+  device_.download(codes_, codes.data(), codes.size() * sizeof(uint32_t));
+  for (uint32_t c : codes) {
+    counts.misses += c == shared::kCodeMiss;
+    counts.backFaces += c == shared::kCodeBackFace;
+    counts.withoutTexel += c == shared::kCodeNoTexel;
+  }
+  return counts;
+}
+
+}  // namespace hl

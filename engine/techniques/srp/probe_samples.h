@@ -1,0 +1,39 @@
+#pragma once
+// What probes see: rays in the same directions for all, and the lumels that they hit, found once (Bennett 2019, section 5.2).
+#include <string>
+#include <vector>
+
+#include "engine/techniques/technique.h"
+
+namespace hl {
+
+/// `count` directions spread evenly over the sphere: a spiral whose points have equal heights between them and turn by the golden angle. Products of spherical
+/// harmonics are summed far better over it than over as many random directions.
+std::vector<vec3> sphereDirections(uint32_t count);
+
+class ProbeSamples {
+ public:
+  ProbeSamples(Gpu&, const SceneView&, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel);
+
+  uint64_t units() const { return units_; }
+  uint64_t done() const { return done_; }
+  void recordUnit(FrameGraph&);
+  void release() { rays_ = hits_ = {}; }
+  const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
+  const std::vector<vec3>& directions() const { return directions_; }
+  /// Of all samples: into the open, to back faces, to surfaces without a lumel. Blocking; from units that are done.
+  struct Counts {
+    uint64_t misses = 0, backFaces = 0, withoutTexel = 0;
+  };
+  Counts counts() const;
+
+ private:
+  Device& device_;
+  SceneView scene_;
+  uint32_t probes_ = 0, samples_ = 0, probesAUnit_ = 1;
+  uint64_t units_ = 0, done_ = 0;
+  std::vector<vec3> directions_;
+  Buffer triangles_, lumelOfTexel_, positions_, directionTable_, rays_, hits_, codes_;
+};
+
+}  // namespace hl

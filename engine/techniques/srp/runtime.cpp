@@ -1,0 +1,233 @@
+#include "engine/techniques/srp/runtime.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/packing.hpp>
+#include <numbers>
+
+#include "engine/core/error.h"
+#include "engine/core/spherical_harmonics64.h"
+#include "engine/techniques/srp/unit.h"
+#include "shaders/shared/spherical_harmonics.h"
+
+namespace hl {
+namespace {
+
+/// Y_j in each direction, times the sample's solid angle 4 pi / N: samples x coefficients.
+std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
+  std::vector<float> table;
+  const double weight = 4 * std::numbers::pi / static_cast<double>(directions.size());
+  for (vec3 d : directions) {
+    const sh64::ShCoefficients y = sh64::shBasis(order, glm::normalize(glm::dvec3(d)));
+    for (int j = 0; j < sh64::shCount(order); ++j) table.push_back(static_cast<float>(weight * y.c[j]));
+  }
+  return table;
+}
+
+}  // namespace
+
+SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params, const ReceiverClusters& clusters, std::span<const ClusterTransport> transport,
+                       const LightmapTables& tables, const Buffer& codes, std::span<const vec3> directions)
+    : device_(gpu.device), scene_(scene), params_(params), codes_(codes) {
+  lumels_ = clusters.receivers();
+  probes_ = static_cast<uint32_t>(scene.probes->count());
+  coefficientCount_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
+  const std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, scene.direct.ray_offset * scene.gpuScene.diagonal);
+  points_ = device_.buffer("srp: lumels", std::span<const shared::SurfacePoint>(points));
+  reflectance_ = device_.buffer("srp: reflectance", std::span<const vec4>(tables.reflectance));
+  direct_ = device_.buffer("srp: direct", lumels_ * sizeof(vec4));
+  irradiance_ = device_.buffer("srp: irradiance", lumels_ * sizeof(vec4));
+  noIrradiance_ = device_.buffer("srp: no irradiance", lumels_ * sizeof(vec4));
+  radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
+  basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, params.sh_order)));
+  coefficients_ = device_.buffer("srp: radiance of probes", uint64_t{probes_} * coefficientCount_ * sizeof(vec4));
+  lumelOfReceiver_ = device_.buffer("srp: lumel of receiver", std::span<const uint32_t>(clusters.lumelOfReceiver));
+  counters_ = device_.buffer("srp: counters", shared::kSrpCounters * sizeof(uint32_t));
+  uploadPages(clusters, transport);
+}
+
+/// Matrices one after the other, in as few buffers as the device's largest allows.
+void SrpRuntime::uploadPages(const ReceiverClusters& all, std::span<const ClusterTransport> transport) {
+  const bool half = params_.storage == kStorageFloat16;
+  const uint64_t numberBytes = half ? 2 : 4;
+  const uint64_t largest = device_.maxStorageBufferBytes() / numberBytes;
+  std::vector<shared::SrpCluster> clusters;
+  std::vector<uint32_t> probes, words;
+  std::vector<float> numbers;
+  uint32_t vectors = 0;
+  Page page;
+  const auto finish = [&] {
+    if (page.clusters == 0) return;
+    if (half) {
+      if (numbers.size() % 2 == 1) numbers.push_back(0.0f);
+      words.resize(numbers.size() / 2);
+      for (size_t i = 0; i < words.size(); ++i) words[i] = glm::packHalf1x16(numbers[2 * i]) | static_cast<uint32_t>(glm::packHalf1x16(numbers[2 * i + 1])) << 16;
+      page.words = device_.buffer(fmt::format("srp: matrices {}", pages_.size()), std::span<const uint32_t>(words));
+    } else {
+      page.words = device_.buffer(fmt::format("srp: matrices {}", pages_.size()), std::span<const float>(numbers));
+    }
+    pages_.push_back(page);
+    numbers.clear();
+  };
+  for (size_t i = 0; i < transport.size(); ++i) {
+    const ClusterTransport& t = transport[i];
+    const ReceiverCluster& c = all.clusters[i];
+    const uint64_t size = t.basis.size() + t.weights.size();
+    if (size > largest)
+      throw Error(ErrorKind::TooLarge, fmt::format("srp: the matrices of a cluster of {} receivers are {} MiB, more than a buffer of this device holds; lower srp.cluster_size",
+                                                   c.receivers, size * numberBytes >> 20));
+    if (numbers.size() + size > largest) {
+      finish();
+      page = {};
+      page.firstCluster = static_cast<uint32_t>(i);
+    }
+    shared::SrpCluster g{};
+    g.firstReceiver = c.firstReceiver, g.receivers = c.receivers;
+    g.firstProbe = static_cast<uint32_t>(probes.size()), g.probes = static_cast<uint32_t>(c.probes.size());
+    g.rank = t.rank, g.firstVector = vectors;
+    g.basis = static_cast<uint32_t>(numbers.size());
+    numbers.insert(numbers.end(), t.basis.begin(), t.basis.end());
+    g.weights = static_cast<uint32_t>(numbers.size());
+    for (uint32_t k = 0; k < t.rank; ++k)
+      for (uint32_t r = 0; r < t.receivers; ++r) numbers.push_back(t.weights[size_t{r} * t.rank + k]);
+    probes.insert(probes.end(), c.probes.begin(), c.probes.end());
+    vectors += t.rank;
+    clusters.push_back(g);
+    ++page.clusters;
+    page.mostRank = std::max(page.mostRank, t.rank);
+    page.mostReceivers = std::max(page.mostReceivers, c.receivers);
+  }
+  finish();
+  clusters_ = device_.buffer("srp: clusters", std::span<const shared::SrpCluster>(clusters));
+  clusterProbes_ = device_.buffer("srp: probes of clusters", std::span<const uint32_t>(probes));
+  vectors_ = device_.buffer("srp: light vectors", std::max(1u, vectors) * sizeof(vec4));
+}
+
+void SrpRuntime::restart(const SrpParams& params) {
+  params_ = params;
+  clearWanted_ = clearDirectWanted_ = true;
+  directSample_ = frame_ = 0;
+}
+
+void SrpRuntime::lightsChanged() {
+  clearDirectWanted_ = true;
+  directSample_ = 0;
+}
+
+uint32_t SrpRuntime::directSamples() const {
+  return scene_.directLight.exactAfterOneSample() ? 1 : static_cast<uint32_t>(scene_.direct.lumel_samples);
+}
+
+void SrpRuntime::record(FrameGraph& graph) {
+  if (clearWanted_) {
+    graph.clear("srp: clear irradiance", irradiance_);
+    graph.clear("srp: clear irradiance", noIrradiance_);
+    graph.clear("srp: clear probes", coefficients_);
+  }
+  clearWanted_ = false;
+  recordDirect(graph);
+  graph.compute("srp: lightmap update", "passes/lightmap_reflect.comp")
+      .bind("reflectance", reflectance_, Access::Read)
+      .bind("direct", direct_, Access::Read)
+      .bind("irradiance", params_.multi_bounce ? irradiance_ : noIrradiance_, Access::Read)
+      .bind("radiance", radiance_, Access::Write)
+      .push(lumels_)
+      .dispatchThreads(lumels_);
+  recordProbes(graph);
+  recordClusters(graph);
+  ++frame_;
+}
+
+/// One sample of every light a frame, and the mean over frames, until there are enough.
+void SrpRuntime::recordDirect(FrameGraph& graph) {
+  if (clearDirectWanted_) graph.clear("srp: clear direct light", direct_);
+  clearDirectWanted_ = false;
+  if (directSample_ >= directSamples()) {
+    for (const char* pass : {"srp: direct light: sample lights", "srp: direct light: shadow rays", "srp: direct light: accumulate"}) graph.skip(pass, "settled");
+    return;
+  }
+  scene_.directLight.record(graph, "srp: direct light", points_, direct_, 0, lumels_, scene_.seed, directSample_);
+  ++directSample_;
+}
+
+void SrpRuntime::recordProbes(FrameGraph& graph) {
+  const auto stride = static_cast<uint32_t>(params_.update_frames);
+  // All of them in the first frame: what was never updated is not old but dark.
+  const bool all = frame_ == 0;
+  const uint32_t first = all ? 0 : frame_ % stride, step = all ? 1 : stride;
+  if (first >= probes_) {
+    graph.skip("srp: project probes", "no probe's turn");
+    return;
+  }
+  struct Constants {
+    uint32_t probes, first, stride;
+  } constants{probes_, first, step};
+  graph.compute("srp: project probes", "srp/project_probes.comp")
+      .bind("codes", codes_, Access::Read)
+      .bind("basis", basis_, Access::Read)
+      .bind("radiance", radiance_, Access::Read)
+      .bind("coefficients", coefficients_, Access::Write)
+      .uniform("srp", params_)
+      .push(constants)
+      .dispatch((probes_ - first + step - 1) / step);
+}
+
+void SrpRuntime::recordClusters(FrameGraph& graph) {
+  const bool compressed = params_.compression != kCompressionNone;
+  const uint32_t half = params_.storage == kStorageFloat16 ? 1 : 0;
+  constexpr uint32_t kLanes = 64;
+  graph.clear("srp: clear counters", counters_);
+  for (const Page& page : pages_) {
+    const shared::SrpPage batch{page.firstCluster, page.clusters, coefficientCount_, params_.clamp_negative != 0 ? 1u : 0u};
+    if (page.mostRank > 0) {
+      graph.compute("srp: project clusters", "srp/project_clusters.comp")
+          .bind("clusters", clusters_, Access::Read)
+          .bind("clusterProbes", clusterProbes_, Access::Read)
+          .bind("coefficients", coefficients_, Access::Read)
+          .bind("page", page.words, Access::Read)
+          .bind("vectors", vectors_, Access::Write)
+          .specialize("kHalf", half)
+          .specialize("kCompressed", compressed ? 1 : 0)
+          .push(batch)
+          .dispatch(compressed ? page.mostRank : (page.mostRank + kLanes - 1) / kLanes, page.clusters);
+    }
+    graph.compute("srp: irradiance transport", "srp/transport.comp")
+        .bind("clusters", clusters_, Access::Read)
+        .bind("page", page.words, Access::Read)
+        .bind("vectors", vectors_, Access::Read)
+        .bind("lumelOfReceiver", lumelOfReceiver_, Access::Read)
+        .bind("irradiance", irradiance_, Access::Write)
+        .bind("counters", counters_, Access::ReadWrite)
+        .specialize("kHalf", half)
+        .push(batch)
+        .dispatch((page.mostReceivers + kLanes - 1) / kLanes, page.clusters);
+  }
+}
+
+uint64_t SrpRuntime::matrixBytes() const {
+  uint64_t bytes = 0;
+  for (const Page& p : pages_) bytes += p.words.size();
+  return bytes;
+}
+
+std::vector<MemoryItem> SrpRuntime::memory() const {
+  uint64_t lumels = 0, probes = 0;
+  for (const Buffer* b : {&points_, &reflectance_, &direct_, &irradiance_, &noIrradiance_, &radiance_, &lumelOfReceiver_}) lumels += b->size();
+  for (const Buffer* b : {&codes_, &basis_, &coefficients_}) probes += b->size();
+  return {{"transport matrices", matrixBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
+}
+
+uint32_t SrpRuntime::negativeReceivers() const {
+  std::array<uint32_t, shared::kSrpCounters> counts{};
+  if (frame_ > 0) device_.download(counters_, counts.data(), sizeof counts);
+  return counts[shared::kSrpNegative];
+}
+uint32_t SrpRuntime::nonFiniteReceivers() const {
+  std::array<uint32_t, shared::kSrpCounters> counts{};
+  if (frame_ > 0) device_.download(counters_, counts.data(), sizeof counts);
+  return counts[shared::kSrpNonFinite];
+}
+
+}  // namespace hl

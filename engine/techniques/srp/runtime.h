@@ -1,0 +1,57 @@
+#pragma once
+// A frame: lightmap -> probes -> clusters -> receivers (Bennett 2019, section 5.1), as passes over matrices on the device.
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/lightmap/tables.h"
+#include "engine/techniques/srp/cluster_transport.h"
+#include "engine/techniques/srp/clusters.h"
+#include "engine/techniques/technique.h"
+
+namespace hl {
+
+class SrpRuntime {
+ public:
+  /// `codes`: what the probes' rays hit, probes x params.probe_rays. @throws Error(TooLarge) naming what does not fit
+  SrpRuntime(Gpu&, const SceneView&, const SrpParams&, const ReceiverClusters&, std::span<const ClusterTransport>, const LightmapTables&, const Buffer& codes,
+             std::span<const vec3> directions);
+
+  void restart(const SrpParams&);
+  void lightsChanged();
+  void setParams(const SrpParams& params) { params_ = params; }
+  /// All passes of a frame up to irradiance().
+  void record(FrameGraph&);
+
+  uint32_t directSamples() const;
+  const Buffer& irradiance() const { return irradiance_; }  ///< vec4 a lumel
+  const Buffer& direct() const { return direct_; }          ///< vec4 a lumel: sum; w: samples
+  const Buffer& coefficients() const { return coefficients_; }  ///< vec4 a probe and coefficient
+  std::vector<MemoryItem> memory() const;
+  uint64_t matrixBytes() const;                             ///< of clusters' matrices as they are stored
+  uint32_t negativeReceivers() const;                       ///< in the last frame. Blocking.
+  uint32_t nonFiniteReceivers() const;
+
+ private:
+  struct Page {
+    Buffer words;
+    uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0;
+  };
+  void uploadPages(const ReceiverClusters&, std::span<const ClusterTransport>);
+  void recordDirect(FrameGraph&);
+  void recordProbes(FrameGraph&);
+  void recordClusters(FrameGraph&);
+
+  Device& device_;
+  SceneView scene_;
+  SrpParams params_;
+  uint32_t lumels_ = 0, probes_ = 0, coefficientCount_ = 1;
+  std::vector<Page> pages_;
+  Buffer points_, reflectance_, direct_, irradiance_, noIrradiance_, radiance_, codes_, basis_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, counters_;
+  uint32_t directSample_ = 0, frame_ = 0;
+  bool clearWanted_ = true, clearDirectWanted_ = true;
+};
+
+}  // namespace hl

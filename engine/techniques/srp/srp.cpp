@@ -1,0 +1,255 @@
+// Sparse radiance probes (Bennett 2019, chapters 4 and 5), as a technique: parameters, work, views.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/core/error.h"
+#include "engine/passes/lightmap_images.h"
+#include "engine/techniques/srp/pick.h"
+#include "engine/techniques/srp/precomputation.h"
+#include "engine/techniques/srp/probe_samples.h"
+#include "engine/techniques/srp/runtime.h"
+
+namespace hl {
+namespace {
+
+constexpr const char* kTexelsView = "texels";
+/// Light of further bounces that may be missing when the picture counts as settled, as a share; and the most frames to wait for it.
+constexpr double kSettledResidual = 1e-3;
+constexpr uint32_t kMostSettlingFrames = 4096;
+
+uint32_t clusterColour(uint32_t cluster) { return 0xff000000u | (0x404040u + ((cluster + 1) * 2654435761u & 0x7f7f7fu)); }
+
+class Srp final : public Technique {
+ public:
+  Needs needs() const override {
+    Needs n;
+    n.lightmap = n.probes = true;
+    return n;
+  }
+  ParamView params() override { return srpView(params_); }
+  Transport transport() const override {
+    Transport t;
+    t.bounces = params_.multi_bounce ? kAllBounces : 1;
+    t.frontFacesOnly = true;
+    t.receiver = ReceiverNormal::Geometric;
+    return t;
+  }
+
+  void rebuild(Gpu& gpu, const SceneView& scene, Progress& progress) override {
+    drop();
+    if (scene.atlas == nullptr || scene.probes == nullptr) throw Error(ErrorKind::Run, "srp: the scene has no lightmap atlas or no probes");
+    if (scene.atlas->lumels.empty() || scene.probes->count() == 0) return;
+    if (2 * scene.scene.triangles() > gpu.device.maxTexelBufferElements())
+      throw Error(ErrorKind::TooLarge, "srp: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
+                                         std::to_string(gpu.device.maxTexelBufferElements() / 2) + ")");
+    gpu_.emplace(gpu);
+    view_.emplace(scene);
+    tables_ = makeLightmapTables(scene.scene, *scene.atlas, scene.lightmap.dilation, progress);
+    Buffer triangles = gpu.device.buffer("srp: triangles", tables_.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
+    gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
+    images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
+    samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
+    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, progress);
+    albedo_ = 0;
+    double area = 0;
+    for (const Lumel& l : scene.atlas->lumels) albedo_ += static_cast<double>(l.area * luminance(l.albedo)), area += static_cast<double>(l.area);
+    albedo_ = area > 0 ? albedo_ / area : 0;
+  }
+  void reset() override {
+    frames_ = sinceChange_ = 0;
+    if (runtime_) runtime_->restart(params_);
+  }
+  /// The transport is that of geometry alone: light may change as it will, and a camera has no part in it.
+  bool follows(Change change) const override { return change != Change::Geometry; }
+  uint32_t framesToSettle() const override {
+    if (!runtime_) return 0;
+    const double bounces = params_.multi_bounce && albedo_ > 0 ? std::ceil(std::log(kSettledResidual) / std::log(std::min(albedo_, 0.999))) : 1;
+    const double wanted = runtime_->directSamples() + std::max(1.0, bounces) * static_cast<double>(params_.update_frames);
+    const auto frames = static_cast<uint32_t>(std::min<double>(wanted, kMostSettlingFrames));
+    return sinceChange_ + (frames > frames_ ? frames - frames_ : 0);
+  }
+
+  /// What probes see, then transport cluster by cluster, then the matrices go to the device.
+  WorkState work() const override {
+    WorkState state;
+    if (!precomputation_) return state;
+    const WorkState transport = precomputation_->work();
+    state.done = samples_->done() + transport.done + (runtime_ ? 1 : 0);
+    state.total = samples_->units() + transport.total + 1;
+    state.label = samples_->done() < samples_->units() ? "what probes see" : (transport.settled() ? "matrices" : transport.label);
+    return state;
+  }
+  void recordWork(FrameGraph& graph) override {
+    if (!precomputation_ || runtime_) return;
+    if (samples_->done() < samples_->units()) return samples_->recordUnit(graph);
+    if (!precomputation_->work().settled()) return precomputation_->recordUnit(graph);
+    samples_->release();
+    precomputation_->release();
+    runtime_ = std::make_unique<SrpRuntime>(*gpu_, *view_, params_, precomputation_->clusters(), precomputation_->transport(), tables_, samples_->codes(),
+                                            samples_->directions());
+    runtime_->restart(params_);
+    uploadViews();
+  }
+
+  IndirectLight record(FrameGraph& graph, const FrameInputs& in) override {
+    if (!precomputation_) {
+      graph.skip("srp: irradiance transport", "there is no valid texel, or no probe");
+      return {};
+    }
+    if (!runtime_) {
+      graph.skip("srp: irradiance transport", "transport is being precomputed");
+      return {};
+    }
+    if (in.lightsChanged && frames_ > 0) runtime_->lightsChanged(), frames_ = 0;
+    ++frames_;
+    sinceChange_ = in.sinceChange + 1;
+    runtime_->setParams(params_);
+    runtime_->record(graph);
+    images_->record(graph, runtime_->irradiance());
+    result_ = sizedLike(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
+    images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false);
+    if (in.view == kTexelsView) {
+      texels_ = sizedLike(gpu_->device, texels_, "srp: texels", in.gbuffer);
+      images_->recordPixels(graph, "srp: show texels", in.gbuffer, texels_, true, true);
+    }
+    if (in.view == "lightmap_direct") images_->recordMeans(graph, "direct lightmap", runtime_->direct(), directImage_);
+    return {result_};
+  }
+
+  std::vector<DebugView> debugViews() const override {
+    const GpuImage none;
+    std::vector<DebugView> views;
+    const auto add = [&](const char* id, const char* label, const GpuImage& image, bool lightmap, bool irradiance) {
+      DebugView v;
+      v.id = id, v.label = label, v.image = image, v.lightmap = lightmap, v.irradiance = irradiance;
+      views.push_back(v);
+    };
+    add(kTexelsView, "Receivers on surfaces", texels_, false, true);
+    add("lightmap", "Lightmap", runtime_ ? images_->lightmap() : none, true, true);
+    add("lightmap_direct", "Lightmap: direct light", directImage_, true, true);
+    add("lightmap_validity", "Lightmap: valid, inside, overlapping", images_ ? images_->validity() : none, true, false);
+    add("receiver_clusters", "Lightmap: clusters", clusterView_, true, false);
+    add("receiver_validity", "Lightmap: share of a receiver's rays that some probe sees too (red: too few)", validView_, true, false);
+    return views;
+  }
+
+  std::vector<MemoryItem> memory() const override {
+    std::vector<MemoryItem> items;
+    if (!precomputation_) return items;
+    if (runtime_) items = runtime_->memory();
+    items.push_back({"working memory of precomputation", precomputation_->workingBytes()});
+    for (auto& [name, bytes] : images_->memory()) items.push_back({name, bytes});
+    uint64_t pixels = 0;
+    for (const GpuImage& image : {result_, texels_, directImage_})
+      if (image) pixels += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
+    items.push_back({"irradiance at pixels", pixels});
+    return items;
+  }
+
+  std::vector<std::pair<std::string, double>> counters() const override {
+    if (!precomputation_) return {};
+    const ReceiverClusters& clusters = precomputation_->clusters();
+    double uncompressed = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, columns = 0;
+    for (const ClusterTransport& t : precomputation_->transport()) {
+      uncompressed += static_cast<double>(t.receivers) * static_cast<double>(t.columns);
+      total += t.total, discarded += t.discarded;
+      vectors += t.rank, columns = std::max(columns, static_cast<double>(t.columns));
+      for (float v : t.valid) invalid += v < params_.least_valid, valid += static_cast<double>(v);
+    }
+    const double number = params_.storage == kStorageFloat16 ? 2 : 4;
+    std::vector<std::pair<std::string, double>> list = {
+        {"receivers", clusters.receivers()},
+        {"probes", static_cast<double>(view_->probes->count())},
+        {"clusters", static_cast<double>(clusters.clusters.size())},
+        {"clusters_from_disk", static_cast<double>(precomputation_->clustersFromDisk())},
+        {"rays_cast", static_cast<double>(precomputation_->raysCast())},
+        {"invalid_receivers", invalid},
+        {"valid_samples", clusters.receivers() > 0 ? valid / clusters.receivers() : 0},
+        {"most_columns", columns},
+        {"light_vectors", vectors},
+        {"uncompressed_bytes", uncompressed * number},
+        {"cpca_relative_error", total > 0 ? std::sqrt(discarded / total) : 0},
+    };
+    const ProbeSamples::Counts seen = samples_->counts();
+    list.push_back({"probe_rays_into_the_open", static_cast<double>(seen.misses)});
+    list.push_back({"probe_rays_to_back_faces", static_cast<double>(seen.backFaces)});
+    list.push_back({"probe_rays_without_texel", static_cast<double>(seen.withoutTexel)});
+    if (!runtime_) return list;
+    list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes())});
+    list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? uncompressed * number / static_cast<double>(runtime_->matrixBytes()) : 0});
+    list.push_back({"negative_receivers", runtime_->negativeReceivers()});
+    list.push_back({"lightmap_nan_inf", runtime_->nonFiniteReceivers()});
+    list.push_back({"pixels_without_texel", images_->pixelsWithoutTexel()});
+    return list;
+  }
+
+  PickReport pick(const PickedPoint& point) override {
+    if (!runtime_ || point.triangle == kNone) return {};
+    return pickReceiver(*view_, gpu_->device, precomputation_->clusters(), precomputation_->transport(), *runtime_, params_, point);
+  }
+
+  std::vector<vec3> lightmapIrradiance() override {
+    if (!runtime_) return {};
+    std::vector<vec4> values(view_->atlas->lumels.size());
+    gpu_->device.download(runtime_->irradiance(), values.data(), values.size() * sizeof(vec4));
+    std::vector<vec3> rgb;
+    rgb.reserve(values.size());
+    for (vec4 v : values) rgb.push_back(vec3(v.x, v.y, v.z));
+    return rgb;
+  }
+
+ private:
+  void drop() {
+    runtime_.reset();
+    precomputation_.reset();
+    samples_.reset();
+    images_.reset();
+    result_ = texels_ = directImage_ = clusterView_ = validView_ = {};
+    frames_ = sinceChange_ = 0;
+  }
+
+  void uploadViews() {
+    const Atlas& atlas = *view_->atlas;
+    const ReceiverClusters& clusters = precomputation_->clusters();
+    std::vector<uint32_t> groups(atlas.texelState.size(), 0xff202020u), valid = groups;
+    for (uint32_t i = 0; i < clusters.clusters.size(); ++i) {
+      const ReceiverCluster& c = clusters.clusters[i];
+      const ClusterTransport& t = precomputation_->transport()[i];
+      for (uint32_t r = 0; r < c.receivers; ++r) {
+        const uint32_t texel = atlas.lumels[clusters.lumelOfReceiver[c.firstReceiver + r]].texel;
+        groups[texel] = clusterColour(i);
+        const auto level = static_cast<uint32_t>(std::lround(255 * std::clamp(t.valid[r], 0.0f, 1.0f)));
+        valid[texel] = t.valid[r] < params_.least_valid ? 0xff0000c0u : 0xff000000u | level << 16 | level << 8 | level;
+      }
+    }
+    const ImageDesc desc{atlas.resolution, atlas.resolution, Format::RGBA8};
+    clusterView_ = gpu_->device.image("srp: clusters", desc);
+    gpu_->device.upload(clusterView_, 0, groups.data(), 4 * groups.size());
+    validView_ = gpu_->device.image("srp: valid samples", desc);
+    gpu_->device.upload(validView_, 0, valid.data(), 4 * valid.size());
+    directImage_ = images_->image("direct lightmap");
+  }
+
+  SrpParams params_;
+  std::optional<Gpu> gpu_;
+  std::optional<SceneView> view_;
+  LightmapTables tables_;
+  std::unique_ptr<LightmapImages> images_;
+  std::unique_ptr<ProbeSamples> samples_;
+  std::unique_ptr<Precomputation> precomputation_;
+  std::unique_ptr<SrpRuntime> runtime_;
+  GpuImage result_, texels_, directImage_, clusterView_, validView_;
+  double albedo_ = 0;
+  uint32_t frames_ = 0, sinceChange_ = 0;  ///< since the last reset or change of light; since that, or a change of camera
+};
+
+}  // namespace
+
+TechniqueInfo srpTechniqueInfo() {
+  return {"srp", "Sparse radiance probes",
+          "Few probes hold radiance in spherical harmonics; transport to every texel of a lightmap is precomputed and compressed. Light moves freely, geometry stands.",
+          []() -> std::unique_ptr<Technique> { return std::make_unique<Srp>(); }};
+}
+
+}  // namespace hl

@@ -1,0 +1,59 @@
+#ifndef HALFLIGHT_SRP_UNIT_H
+#define HALFLIGHT_SRP_UNIT_H
+// What C++ and the shaders agree on: a unit of precomputation, and the matrices of a frame.
+#include "shaders/shared/interop.h"
+HL_BEGIN
+
+/// One of the probes that a receiver asks.
+struct SrpNear {
+  uint probe;     ///< of all
+  uint column;    ///< first of its columns in the cluster's matrix
+  float weight;   ///< w of equation 4.4; 0: the slot is empty
+};
+
+/// Push constants of precomputation: samples [firstSample, firstSample + samples) of one cluster's receivers. Ray r * samples + s; its question to the
+/// probe in slot q is ray (r * samples + s) * slots + q.
+struct SrpUnit {
+  uint firstReceiver;
+  uint receivers;
+  uint firstSample;
+  uint samples;
+  uint slots;
+  uint columns;
+  uint seed;
+  uint environment;   ///< 1: rays into the open ask too
+  int order;
+  float offset;       ///< of rays that start at a hit, in front of it [m]
+};
+
+/// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
+HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
+HL_CONST float kSrpDark = -1.0f;     ///< it hit what reflects nothing: valid, and dark
+
+/// A cluster in a frame. Its matrices lie in one page; offsets there are in numbers, not bytes.
+struct SrpCluster {
+  uint firstReceiver;
+  uint receivers;
+  uint firstProbe;    ///< in the list of clusters' probes
+  uint probes;
+  uint rank;          ///< entries of its light vector
+  uint firstVector;   ///< in the buffer of light vectors
+  uint basis;         ///< rank x (probes * coefficients), rows after each other
+  uint weights;       ///< rank x receivers: all receivers' first weights, then their second
+};
+
+/// Push constants of a frame's matrix passes: clusters [first, first + count), which share a page.
+struct SrpPage {
+  uint first;
+  uint count;
+  uint coefficients;
+  uint clampNegative;
+};
+
+/// Counters of a frame.
+HL_CONST uint kSrpNegative = 0u;     ///< receivers with a negative channel
+HL_CONST uint kSrpNonFinite = 1u;
+HL_CONST uint kSrpCounters = 2u;
+
+HL_END
+#endif

@@ -1,0 +1,111 @@
+// Sparse radiance probes where light leaks, precomputation is stopped, memory is short, or there is nothing to do.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/core/error.h"
+#include "engine/scene/scene_file.h"
+#include "tests/session_fixture.h"
+#include "tests/srp_harness.h"
+
+namespace hl::test {
+namespace {
+
+/// Mean of the dark side over that of the bright one, by z.
+double leak(const SrpHarness& h, const std::vector<vec3>& e, float lowest, float highest, float parting) {
+  double sums[2] = {}, areas[2] = {};
+  for (size_t i = 0; i < e.size(); ++i) {
+    const Lumel& l = h.atlas.lumels[i];
+    if (l.position.z < lowest || l.position.z > highest) continue;
+    const int side = l.position.z + 0.005f * l.normal.z > parting ? 1 : 0;
+    sums[side] += static_cast<double>(luminance(glm::abs(e[i])) * l.area), areas[side] += static_cast<double>(l.area);
+  }
+  const double bright = sums[0] / areas[0], dark = sums[1] / areas[1];
+  return dark / bright;
+}
+
+TEST(SrpLeaks, NoneThroughAThinWallUncompressed) {
+  SrpHarness h(loadScene("thin_wall_tunnel"));
+  h.set("lightmap.resolution", "128").set("srp.receiver_rays", "64").set("probes.spacing", "0.1").set("srp.sh_order", "4");
+  const double uncompressed = leak(h, h.light(), -1, 5, 2);
+  h.set("srp.compression", "cpca").set("srp.pca_vectors", "32");
+  const double compressed = leak(h, h.light(), -1, 5, 2);
+  std::printf("thin wall: dark side %.2e of the bright one, with 32 vectors a cluster %.2e\n", uncompressed, compressed);
+  EXPECT_LE(uncompressed, 1e-3);
+  EXPECT_LE(compressed, 2e-2);
+}
+
+class SrpWork : public SessionTest {};
+
+TEST_F(SrpWork, GoesOnWhereItWasStopped) {
+  const auto harness = [] {
+    auto h = std::make_unique<SrpHarness>(loadScene("point_light_cube"));
+    h->set("srp.receiver_rays", "64").set("srp.cluster_size", "256").set("srp.cache", "true").set("srp.compression", "cpca").set("srp.sh_order", "2");
+    return h;
+  };
+  std::vector<vec3> whole;
+  {
+    auto h = harness();
+    h->set("srp.cache", "false");
+    whole = h->light();
+    EXPECT_GE(h->counter("clusters"), 4);
+  }
+  double first = 0;
+  {
+    auto h = harness();
+    h->rebuild();
+    h->work(h->technique->work().total / 2);
+    EXPECT_FALSE(h->technique->work().settled());
+  }
+  {
+    auto h = harness();
+    const std::vector<vec3> again = h->light();
+    first = h->counter("clusters_from_disk");
+    EXPECT_GT(first, 0);
+    EXPECT_LT(first, h->counter("clusters"));
+    EXPECT_EQ(again, whole);
+  }
+  {
+    auto h = harness();
+    EXPECT_EQ(h->light(), whole);
+    EXPECT_EQ(h->counter("clusters_from_disk"), h->counter("clusters"));
+  }
+  {
+    // Another probe set is another precomputation.
+    auto h = harness();
+    h->set("probes.spacing", "0.3");
+    h->rebuild();
+    EXPECT_EQ(h->counter("clusters_from_disk"), 0);
+  }
+}
+
+TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
+  std::vector<vec3> results[2];
+  for (int i = 0; i < 2; ++i) {
+    SrpHarness h(loadScene("point_light_cube"));
+    h.set("srp.receiver_rays", "64").set("srp.sh_order", "2").set("srp.cluster_size", "256").set("srp.precompute_memory_mb", i == 0 ? "16" : "512");
+    h.set("lightmap.resolution", "48").set("srp.k", i == 0 ? "64" : "64");
+    results[i] = h.light();
+  }
+  EXPECT_EQ(results[0], results[1]);
+  SrpHarness h(loadScene("point_light_cube"));
+  h.set("srp.cluster_size", "8192").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");
+  try {
+    h.rebuild();
+    FAIL() << "a cluster that does not fit was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::TooLarge);
+    EXPECT_NE(std::string(e.what()).find("srp.precompute_memory_mb is 16"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(SrpWork, ProbesTakeTurns) {
+  SrpHarness all(loadScene("point_light_cube")), some(loadScene("point_light_cube"));
+  for (SrpHarness* h : {&all, &some}) h->set("srp.receiver_rays", "64").set("lightmap.resolution", "32");
+  some.set("srp.update_frames", "4");
+  const std::vector<vec3> a = all.light(), b = some.light();
+  EXPECT_NEAR(all.mean(a) / some.mean(b), 1, 2e-3);
+}
+
+}  // namespace
+}  // namespace hl::test

@@ -1,0 +1,152 @@
+// Receivers in clusters, the probes that they ask, and finished clusters on disk.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "engine/core/files.h"
+#include "engine/techniques/srp/clusters.h"
+#include "engine/techniques/srp/store.h"
+#include "tests/session_fixture.h"
+
+namespace hl {
+namespace {
+
+/// Lumels on the six faces of a cube of side 2.
+Atlas cube(int perFace) {
+  Atlas atlas;
+  for (int face = 0; face < 6; ++face)
+    for (int i = 0; i < perFace; ++i) {
+      const float u = 2 * std::fmod(0.7548777f * static_cast<float>(i), 1.0f) - 1, v = 2 * std::fmod(0.5698403f * static_cast<float>(i), 1.0f) - 1;
+      Lumel l;
+      const int axis = face / 2;
+      const float side = face % 2 == 0 ? -1.0f : 1.0f;
+      l.position[axis] = side, l.position[(axis + 1) % 3] = u, l.position[(axis + 2) % 3] = v;
+      l.normal[axis] = -side;
+      atlas.lumels.push_back(l);
+    }
+  return atlas;
+}
+
+TEST(SrpClusters, EachReceiverIsInOneClusterThatIsSmallEnough) {
+  const Atlas atlas = cube(500);
+  const std::vector<vec3> probes{{0, 0, 0}, {0.5f, 0.5f, 0.5f}, {-0.5f, 0, 0}};
+  for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
+    SrpParams params;
+    params.clustering = clustering, params.cluster_size = 100;
+    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25);
+    std::set<uint32_t> seen(c.lumelOfReceiver.begin(), c.lumelOfReceiver.end());
+    EXPECT_EQ(seen.size(), atlas.lumels.size());
+    uint32_t next = 0;
+    double spread = 0;
+    for (const ReceiverCluster& r : c.clusters) {
+      EXPECT_EQ(r.firstReceiver, next);
+      EXPECT_LE(r.receivers, 100u);
+      EXPECT_GT(r.receivers, 0u);
+      next += r.receivers;
+      vec3 normal(0.0f);
+      for (uint32_t i = 0; i < r.receivers; ++i) normal += atlas.lumels[c.lumelOfReceiver[r.firstReceiver + i]].normal / static_cast<float>(r.receivers);
+      spread += static_cast<double>((1 - glm::length(normal)) * static_cast<float>(r.receivers));
+    }
+    EXPECT_EQ(next, atlas.lumels.size());
+    spread /= static_cast<double>(atlas.lumels.size());
+    std::printf("%s: %zu clusters, normals apart by %.3f\n", clustering == kClusteringAabb ? "aabb" : "lbg", c.clusters.size(), spread);
+    EXPECT_LT(spread, clustering == kClusteringLbg ? 0.02 : 1);
+  }
+}
+
+TEST(SrpClusters, ManyReceiversInOnePlaceAreStillSplit) {
+  Atlas atlas;
+  atlas.lumels.resize(1000);
+  const std::vector<vec3> probes{{0, 1, 0}};
+  for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
+    SrpParams params;
+    params.clustering = clustering, params.cluster_size = 64;
+    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1).clusters) EXPECT_LE(r.receivers, 64u);
+  }
+}
+
+TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
+  Atlas atlas;
+  Lumel l;
+  l.position = vec3(0.1f, 0, 0), l.normal = vec3(0, 1, 0);
+  atlas.lumels.push_back(l);
+  std::vector<vec3> probes;
+  for (int i = 0; i < 10; ++i) probes.push_back(vec3(static_cast<float>(i), 0, 0));
+  SrpParams params;
+  params.k = 3;
+  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4);
+  ASSERT_EQ(near.clusters.size(), 1u);
+  EXPECT_EQ(near.clusters[0].probes, (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(near.clusters[0].slots, 3u);
+  // The radius is the distance to the fourth.
+  for (uint32_t q = 0; q < 3; ++q) {
+    const shared::SrpNear& n = near.clusters[0].near[q];
+    EXPECT_EQ(n.column, 4 * q);
+    EXPECT_NEAR(n.weight, probeWeight(std::abs(static_cast<float>(q) - 0.1f) / 2.9f), 1e-6f);
+  }
+  params.support = kSupportProbeRadius, params.radius = 0.5f;  // of 9 m
+  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4).clusters[0].probes.size(), 5u);
+  // None within reach: a cluster without columns.
+  params.radius = 0.01f;
+  atlas.lumels[0].position = vec3(0, 5, 0);
+  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4);
+  EXPECT_TRUE(none.clusters[0].probes.empty());
+  EXPECT_EQ(none.clusters[0].near[0].weight, 0.0f);
+}
+
+TEST(SrpClusters, WeightIsSmoothAndFallsFromOneToNothing) {
+  EXPECT_EQ(probeWeight(0), 1.0f);
+  EXPECT_EQ(probeWeight(1), 0.0f);
+  EXPECT_EQ(probeWeight(2), 0.0f);
+  EXPECT_NEAR(probeWeight(0.5f), 0.5f, 1e-6f);
+}
+
+class SrpStore : public ::testing::Test {
+ protected:
+  void SetUp() override { setenv("HALFLIGHT_CACHE", folder.path().c_str(), 1); }
+  static ClusterTransport cluster(float value) {
+    ClusterTransport t;
+    t.receivers = 2, t.columns = 3, t.rank = 1;
+    t.basis = {value, 2, 3}, t.weights = {value, 5}, t.valid = {1, 0.5f};
+    t.total = 9, t.discarded = 1;
+    return t;
+  }
+  test::TemporaryFolder folder;
+};
+
+TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
+  TransportStore store("abc");
+  EXPECT_TRUE(store.read(10).empty());
+  for (float v : {1.0f, 2.0f, 3.0f}) store.append(cluster(v));
+  auto found = store.read(10);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[1].basis[0], 2.0f);
+  EXPECT_EQ(found[2].valid, (std::vector<float>{1, 0.5f}));
+  EXPECT_EQ(store.read(2).size(), 2u);  // no more than asked; the third stays or is made anew
+
+  TransportStore other("def");
+  for (float v : {1.0f, 2.0f, 3.0f}) other.append(cluster(v));
+  const auto size = std::filesystem::file_size(other.file());
+  std::filesystem::resize_file(other.file(), size - 5);  // cut off in the third
+  ASSERT_EQ(other.read(10).size(), 2u);
+  other.append(cluster(7));
+  found = other.read(10);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[2].basis[0], 7.0f);
+
+  // A bit turned in the second: the first alone is whole.
+  std::string bytes = readFile(other.file());
+  bytes[bytes.size() / 2] ^= 1;
+  writeFileAtomically(other.file(), bytes);
+  EXPECT_EQ(other.read(10).size(), 1u);
+  // Not ours at all.
+  writeFileAtomically(other.file(), "something else");
+  EXPECT_TRUE(other.read(10).empty());
+  other.append(cluster(1));
+  EXPECT_EQ(other.read(10).size(), 1u);
+}
+
+}  // namespace
+}  // namespace hl
