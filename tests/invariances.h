@@ -53,9 +53,12 @@ inline const char* const kTwoLights[] = {R"({"type": "point", "position": [0.6, 
 
 /// A box with a block in it and a camera, under the lights of a scene file's list.
 inline std::string litRoom(const TemporaryFolder& folder, const std::string& lights) {
-  return folder.write("lit.json", R"({"version": 1, "shapes": [{"type": "box", "material": "wall", "min": [-1, -1, -1], "max": [1, 1, 1],
+  std::string text = R"({"version": 1, "shapes": [{"type": "box", "material": "wall", "min": [-1, -1, -1], "max": [1, 1, 1],
       "facing": "inward"}, {"type": "box", "material": "wall", "min": [-0.4, -1, -0.5], "max": [0.2, -0.3, 0]}], "materials": {"wall": {"albedo": [0.7, 0.5, 0.3]}},
-      "cameras": [{"name": "c", "position": [0.8, 0.1, 0.9], "target": [-0.3, -0.4, -0.3], "vertical_fov_degrees": 75}], "lights": [)" + lights + "]}");
+      "cameras": [{"name": "c", "position": [0.8, 0.1, 0.9], "target": [-0.3, -0.4, -0.3], "vertical_fov_degrees": 75}], "lights": [)";
+  text += lights;
+  text += "]}";
+  return folder.write("lit.json", text);
 }
 
 /// A cube whose faces differ, with a point light off its centre, and its camera at the centre.

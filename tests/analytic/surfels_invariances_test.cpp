@@ -12,13 +12,16 @@
 namespace hl::test {
 namespace {
 
-constexpr uint32_t kSeeds = 5;
+constexpr uint32_t kSeeds = 4;
+constexpr int kFrames = 48;
 
 class SurfelInvariances : public SessionTest {
  protected:
   static Preset preset(const std::string& scene, uint32_t seed = 1) {
     Preset p = smallPreset(scene, "surfels");
     p.seed = seed;
+    p.width = 32, p.height = 24;
+    p.parameters.insert_or_assign("surfels.settle_frames", std::to_string(kFrames));
     return p;
   }
   static Image indirect(Session& session, const Preset& p) {
@@ -53,7 +56,7 @@ TEST_F(SurfelInvariances, TwoLightsGiveTheSum) {
   auto session = makeSession();
   const auto lit = [&](const std::string& by, bool linear, uint32_t seed) {
     Preset p = preset(litRoom(folder, by), seed);
-    if (linear) p.parameters["surfels.estimator"] = "ema", p.parameters["surfels.inconsistency_gain"] = "0";
+    if (linear) p.parameters["surfels.estimator"] = "ema", p.parameters["surfels.inconsistency_gain"] = std::to_string(0);
     return indirect(*session, p);
   };
   const std::string together = fmt::format("{}, {}", kTwoLights[0], kTwoLights[1]);
@@ -72,7 +75,6 @@ TEST_F(SurfelInvariances, TwoLightsGiveTheSum) {
 
 TEST_F(SurfelInvariances, TurnedAndMirroredRoomsLookTheSame) {
   const Turn turns[] = {{"mirrored_x", mat3(vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)), true, false},
-                        {"half_a_turn", mat3(vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, 0, -1)), false, false},
                         {"a_quarter_about_y", mat3(vec3(0, 0, -1), vec3(0, 1, 0), vec3(1, 0, 0)), false, false},
                         {"a_quarter_about_z", mat3(vec3(0, 1, 0), vec3(-1, 0, 0), vec3(0, 0, 1)), false, false}};
   auto session = makeSession();

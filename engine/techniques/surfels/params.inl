@@ -50,7 +50,7 @@ PARAM_FLOAT(rays_min, 0.25, 0, 8, 0, 1, Linear, Live, "rays", "Least a surfel ge
 PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in a frame.")
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
 PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How much inconsistency (short mean against long mean, in deviations) adds to a surfel's rays.")
-PARAM_FLOAT(young_rays, 8, 0, 256, 0, 64, Linear, Live, "rays",
+PARAM_FLOAT(young_rays, 16, 0, 256, 0, 64, Linear, Live, "rays",
             "Rays beyond ray_budget for a surfel in view, times the share that a new sample has in its estimate: what a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Rebuild, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
