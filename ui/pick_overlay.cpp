@@ -11,6 +11,10 @@
 namespace hl::ui {
 namespace {
 
+/// Up to so many samples are caches that were asked, each worth a mark where it stands; more are rays.
+constexpr size_t kMarkedSamples = 64;
+constexpr double kWholeRadius = 12;  // [pixels] of a mark that has the whole weight
+
 /// World to the widget, through the frame's camera.
 class Projection {
  public:
@@ -57,10 +61,20 @@ void drawPickedSamples(QPainter& painter, const FrameResult& frame, const Camera
     const PickSample& s = samples[i];
     const std::optional<QLineF> line = projection.line(s.from, s.to);
     if (!line) continue;
-    const auto channel = [&](float v) { return static_cast<int>(255 * std::sqrt(std::clamp(v / brightest, 0.0f, 1.0f))); };
+    const auto channel = [&](float v) { return brightest > 0 ? static_cast<int>(255 * std::sqrt(std::clamp(v / brightest, 0.0f, 1.0f))) : 0; };
     const bool dark = !(brightest > 0) || s.radiance == vec3(0.0f);
     painter.setPen(QPen(dark ? QColor(128, 128, 128, 60) : QColor(channel(s.radiance.x), channel(s.radiance.y), channel(s.radiance.z), 150), 1));
     painter.drawLine(*line);
+    if (samples.size() > kMarkedSamples) continue;
+    // The end itself, if it is in front of the camera: an area by its share.
+    const std::optional<QLineF> end = projection.line(s.to, s.to);
+    if (!end) continue;
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(QPen(Qt::white, 1));
+    painter.setBrush(QColor(channel(s.radiance.x), channel(s.radiance.y), channel(s.radiance.z)));
+    const double radius = std::max(1.0, kWholeRadius * std::sqrt(static_cast<double>(std::clamp(s.weight, 0.0f, 1.0f))));
+    painter.drawEllipse(end->p1(), radius, radius);
+    painter.setRenderHint(QPainter::Antialiasing, false);
   }
   if (const auto at = projection.line(samples[0].from, samples[0].from)) {
     painter.setRenderHint(QPainter::Antialiasing);

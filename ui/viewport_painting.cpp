@@ -41,7 +41,9 @@ void Viewport::drawLabels(QPainter& painter) {
     painter.setBrush(ground);
     painter.drawRoundedRect(box.adjusted(-pad, -pad / 2, pad, pad / 2), 4, 4);
     painter.setPen(ink);
-    painter.drawText(box, flags, text);
+    // Lines of a list begin under each other, on whichever side it stands.
+    const int lines = text.contains('\n') ? (flags & ~Qt::AlignHorizontal_Mask) | Qt::AlignLeft : flags;
+    painter.drawText(box, lines, text);
   };
   const QColor white(255, 255, 255), shade(0, 0, 0, 170);
   if (comparison_.on() && !spaceHeld_ && !comparison_.pictures.refused.isEmpty()) label(tr("Comparison: %1").arg(comparison_.pictures.refused), Qt::AlignTop | Qt::AlignHCenter, white, shade);

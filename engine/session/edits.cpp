@@ -335,8 +335,11 @@ void Session::setLights(const std::vector<PointLight>& points, const std::vector
                         const std::vector<DirectionalLight>& directionals, vec3 sky) {
   Impl& s = *impl_;
   const LightEdits lights{points, spots, directionals, sky};
+  Preset next = s.preset;
+  next.lights = lights;
+  presetHash(next);  // refuses what no preset can hold, Inf above all, before anything has changed
   applyLights(*s.scene, lights);
-  s.preset.lights = lights;
+  s.preset = std::move(next);
   s.lightsChanged();
 }
 

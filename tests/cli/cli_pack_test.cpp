@@ -61,6 +61,21 @@ TEST_F(CliPack, ABundleGivesTheSamePictureAndErrorsElsewhere) {
   EXPECT_GE(references, 1u);
 }
 
+/// What moves comes along: the same frames of the same flight past the same turning object.
+TEST_F(CliPack, ABundleKeepsAnimationsAndFlights) {
+  const CliResult packed = runCli({"pack", "cornell_spin", "--out", bundle, "--json"});
+  ASSERT_EQ(packed.code, 0) << packed.err;
+  const auto played = [](const std::string& what, const char* time) {
+    return std::vector<std::string>{"render", what, "--json", "--resolution", "48x27", "--technique", "none", "--time", time, "--play", "--rate", "10", "--frames", "4"};
+  };
+  const CliResult here = runCli(played("cornell_spin", "0.5")), there = runCli(played(bundle, "0.5"), elsewhere()), later = runCli(played(bundle, "1.5"), elsewhere());
+  for (const CliResult* r : {&here, &there, &later}) ASSERT_EQ(r->code, 0) << r->err;
+  const json a = json::parse(here.out), b = json::parse(there.out), c = json::parse(later.out);
+  EXPECT_EQ(a.at("image"), b.at("image"));
+  EXPECT_EQ(a.at("provenance").at("scene_hash"), b.at("provenance").at("scene_hash"));
+  EXPECT_NE(b.at("image"), c.at("image")) << "nothing moves: equal pictures above would say nothing";
+}
+
 TEST_F(CliPack, WithoutTheModuleImagesArePfmAndMeshesAreRefused) {
   ASSERT_EQ(runCli({"pack", "cornell_box", "--out", bundle}).code, 0);
   std::vector<std::string> arguments = render(bundle);

@@ -1,5 +1,6 @@
 // What every technique must do in scenes whose objects and cameras move: these run over the registry.
 #include <cmath>
+#include <limits>
 
 #include "engine/core/hash.h"
 #include "tests/session_fixture.h"
@@ -78,6 +79,46 @@ TEST_P(EveryTechniqueMoving, NothingLeaksThroughADoorOrAThinWall) {
     EXPECT_LE(dark, (GetParam() == "ddgi" ? 2e-2f : 1e-2f) * lit);
     expectNoMessages(*session);
   }
+}
+
+/// Inf in whatever a technique remembers of the light, by the one way in that every technique has: lights so bright that their sum is past what a float
+/// holds (an infinite one is refused). Counted while it lasts, gone after one reset.
+TEST_P(EveryTechniqueMoving, InfFromBlindingLightsIsCountedAndGoneAfterOneReset) {
+  const auto bad = [](const FrameResult& f) {
+    double sum = 0;
+    for (const auto& [name, value] : f.counters)
+      if (name.ends_with("nan") || name.ends_with("inf")) sum += value;
+    return sum;
+  };
+  const auto session = makeSession();
+  Preset p = preset("point_light_cube");
+  if (GetParam() == "ddgi") p.parameters["ddgi.spacing"] = "0.25";
+  session->load(p);
+  EXPECT_EQ(bad(*session->settle()), 0);
+  const float before = hasIndirect() ? brightness(*session) : 0;
+  std::vector<PointLight> points = session->scene().pointLights;
+  const std::vector<PointLight> sound = points;
+  ASSERT_FALSE(points.empty());
+  const vec3 sky = session->scene().sky;
+  points.front().intensity = vec3(std::numeric_limits<float>::infinity());
+  EXPECT_THROW(session->setLights(points, {}, {}, sky), Error);
+  EXPECT_EQ(bad(*session->frame()), 0) << "what was refused has changed something";
+  points.front().intensity = vec3(std::numeric_limits<float>::max());
+  points.resize(32, points.front());
+  session->setLights(points, {}, {}, sky);
+  session->finishWork();
+  for (int i = 0; i < 3; ++i) session->frame();
+  EXPECT_GT(bad(*session->frame()), 0);
+  session->setLights(sound, {}, {}, sky);
+  session->resetTechnique();
+  session->finishWork();
+  session->frame();
+  EXPECT_EQ(bad(*session->frame()), 0);
+  EXPECT_EQ(bad(*session->settle()), 0);
+  if (hasIndirect()) {
+    EXPECT_NEAR(brightness(*session), before, 0.05f * before);
+  }
+  expectNoMessages(*session);
 }
 
 /// A block that has jumped aside: where it was and where it is look as if it had always been there, and surfaces that moved are lit in the frame after.

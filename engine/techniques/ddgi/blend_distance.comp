@@ -4,6 +4,9 @@
 #define HL_DDGI_DISTANCE
 #include "engine/techniques/ddgi/blend.glsl"
 
+/// Texels a thread takes on at once for each ray that it reads: on a CPU device those reads cost more than the arithmetic (README).
+const int kBlock = 4;
+
 void main() {
   const uint probe = batch.firstProbe + gl_WorkGroupID.x;
   if (probes[probe].w != float(kProbeActive)) return;
@@ -12,11 +15,15 @@ void main() {
   const ivec2 origin = ivec2(probe % grid.tilesAcross, probe / grid.tilesAcross) * (texels + 2);
   const float frames = float(ages[probe]);
   const float kept = min(ddgi.hysteresis, frames / (frames + 1.0));
-  for (uint first = 0u; first < count; first += gl_WorkGroupSize.x) {
-    const uint texel = first + thread;
-    const ivec2 at = ivec2(texel % uint(texels), texel / uint(texels));
-    const vec3 normal = octahedralDecode((vec2(at) + 0.5) / float(texels) * 2.0 - 1.0);
-    vec3 sum = vec3(0.0);
+  for (uint first = thread; first < count + thread; first += uint(kBlock) * gl_WorkGroupSize.x) {
+    vec4 x, y, z;  // of the texels' directions
+    for (int k = 0; k < kBlock; ++k) {
+      const uint texel = first + uint(k) * gl_WorkGroupSize.x;
+      const vec2 at = vec2(texel % uint(texels), texel / uint(texels));
+      const vec3 normal = octahedralDecode((at + 0.5) / float(texels) * 2.0 - 1.0);
+      x[k] = normal.x, y[k] = normal.y, z[k] = normal.z;
+    }
+    vec4 sums = vec4(0.0), squares = vec4(0.0), weights = vec4(0.0);
     for (uint chunk = 0u; chunk < batch.rays; chunk += kChunk) {
       barrier();
       const uint r = gl_WorkGroupID.x * batch.rays + chunk + thread;
@@ -27,15 +34,20 @@ void main() {
       barrier();
       const uint n = min(kChunk, batch.rays - chunk);
       for (uint j = 0u; j < n; ++j) {
-        const float w = pow(max(0.0, dot(directions[j], normal)), ddgi.distance_exponent);
-        sum += w * vec3(values[j], values[j] * values[j], 1.0);
+        const vec3 d = directions[j];
+        const float value = values[j];
+        const vec4 w = pow(max(vec4(0.0), d.x * x + d.y * y + d.z * z), vec4(ddgi.distance_exponent));
+        sums += w * value, squares += w * (value * value), weights += w;
       }
     }
-    if (texel < count) {
-      const vec2 known = imageLoad(before, origin + at + 1).xy;
+    for (int k = 0; k < kBlock; ++k) {
+      const uint texel = first + uint(k) * gl_WorkGroupSize.x;
+      if (texel >= count) break;
+      const ivec2 at = origin + ivec2(texel % uint(texels), texel / uint(texels)) + 1;
+      const vec2 known = imageLoad(before, at).xy;
       // A lobe that few rays fell into says little: it moves what is known by as much less.
-      const float moves = frames == 0.0 ? 1.0 : (1.0 - kept) * min(1.0, sum.z);
-      vec2 now = sum.z > 0.0 ? sum.xy / sum.z : vec2(proximity(kNothing), proximity(kNothing) * proximity(kNothing));
+      const float moves = frames == 0.0 ? 1.0 : (1.0 - kept) * min(1.0, weights[k]);
+      vec2 now = weights[k] > 0.0 ? vec2(sums[k], squares[k]) / weights[k] : vec2(proximity(kNothing), proximity(kNothing) * proximity(kNothing));
       if (moves < 1.0) now = mix(known, now, moves);
       tile[texel] = now;
       if (anyNan(now)) atomicAdd(counters[kCountNan], 1u);

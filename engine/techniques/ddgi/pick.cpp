@@ -1,6 +1,7 @@
 // What the probes hold, for reports: memory, counters, and the weights of those round a point that somebody picked.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "engine/techniques/ddgi/probes.h"
@@ -71,6 +72,7 @@ PickReport DdgiProbes::pick(const PickedPoint& point, vec3 viewer) {
   std::array<shared::DdgiProbeWeight, 8> probes;
   device_.download(weights, probes.data(), sizeof probes);
 
+  std::sort(probes.begin(), probes.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
   PickReport report;
   float sum = 0;
   vec3 irradiance(0.0f);
