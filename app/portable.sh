@@ -4,7 +4,7 @@
 #   bash app/portable.sh OUT.tar.xz [--validation] [--tests] [--scene NAME]... [FILE...]
 # --validation  the validation layer travels too
 # --tests       so do the tests that are about the device (labels gpu and parity), and `run-tests`
-# --scene NAME  of the scenes over meshes only these (may be repeated); without it, all whose meshes are here
+# --scene NAME  of the scenes over meshes from elsewhere only these (may be repeated); without it, all whose meshes are here
 # FILE...       presets, experiments or bundles, put beside the program
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -78,8 +78,10 @@ else
 fi
 for scene in "$halflight_root"/scenes/*.json; do
   name="$(basename "$scene" .json)"
+  mesh="$(tr -d '\n' <"$scene" | sed -n 's/.*"mesh": *{[^}]*"file": *"\([^"]*\)".*/\1/p')"
   if ! grep -q '"mesh"' "$scene"; then cp "$scene" "$root/scenes/"; continue; fi
-  if [ ${#scenes[@]} -gt 0 ] && ! printf '%s\n' "${scenes[@]}" | grep -qxF -- "$name"; then continue; fi
+  # The project's own meshes always travel.
+  if [ ! -f "$halflight_root/scenes/$mesh" ] && [ ${#scenes[@]} -gt 0 ] && ! printf '%s\n' "${scenes[@]}" | grep -qxF -- "$name"; then continue; fi
   if ! "$build/app/halflight-cli" pack "$name" --out "$root/scenes/$name.hlb" >/dev/null 2>"$stage/why"; then
     if [ ${#scenes[@]} -gt 0 ]; then cat "$stage/why" >&2; exit 2; fi
     halflight_say "left out: $(cat "$stage/why")"

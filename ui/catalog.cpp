@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "engine/params/groups.h"
+#include "engine/session/probe_views.h"
 
 namespace hl::ui {
 
@@ -32,6 +33,8 @@ Catalog::Catalog() {
     for (const ParameterGroup& group : shared_)
       if ((group.id != "lightmap" || instance->needs().lightmap) && (group.id != "probes" || instance->needs().probes)) entry.groups.push_back(group);
     for (const DebugView& view : instance->debugViews()) entry.views.push_back({view.id, view.label});
+    if (instance->needs().probes)
+      for (const ViewInfo& view : probeViews()) entry.views.push_back(view);
     techniques_.push_back(std::move(entry));
     instances_.push_back(std::move(instance));
   }

@@ -116,6 +116,15 @@ void Document::editRegions(const std::optional<std::vector<Region>>& regions, co
 
 std::vector<Region> Document::regions() const { return preset_.regions ? *preset_.regions : sceneRegions_; }
 
+void Document::editProbes(const std::optional<std::vector<vec3>>& probes, bool use, const QString& what) {
+  Preset target = preset_;
+  target.probes = probes;
+  if (use) target.parameters["probes.placement"] = "manual";
+  if (target.probes != preset_.probes || target.parameters != preset_.parameters) push(std::move(target), what, 0);
+}
+
+std::vector<vec3> Document::probes() const { return preset_.probes ? *preset_.probes : sceneProbes_; }
+
 void Document::restore(const Preset& preset, const QString& what) {
   Preset target = preset;
   target.file = preset_.file;
@@ -202,6 +211,8 @@ void Document::apply(const Preset& wanted, bool whole) {
   target.camera = old.camera, target.cameraName = old.cameraName, target.file = old.file, target.animation = old.animation;
   const bool anotherTechnique = target.technique != old.technique;
   preset_ = target;
+  const bool probes = target.probes != old.probes;
+  if (probes) link_.setProbes(target.probes);  // before the parameter that asks for them
   if (anotherTechnique) sendTechnique(target);
   std::map<std::string, std::string> keys = old.parameters;
   keys.insert(target.parameters.begin(), target.parameters.end());
@@ -225,6 +236,7 @@ void Document::apply(const Preset& wanted, bool whole) {
   if (anotherTechnique) emit techniqueChanged();
   if (display) emit displayChanged();
   if (regions) emit regionsChanged();
+  if (probes) emit probesChanged();
   emit presetChanged();
   updateModified();
 }
@@ -277,11 +289,13 @@ void Document::onFrame() {
   if (!frame || !frame->scene || frame->scene == scene_) return;
   const bool another = !scene_ || scene_->hash != frame->scene->hash || scene_->source != frame->scene->source;
   scene_ = frame->scene;
-  if (another) sceneRegions_.clear();
+  if (another) sceneRegions_.clear(), sceneProbes_.clear();
   if (!frame->preset.regions && frame->preset.scene == preset_.scene) sceneRegions_ = scene_->regions;
+  if (!frame->preset.probes && frame->preset.scene == preset_.scene) sceneProbes_ = scene_->probes;
   if (!frame->preset.lights && frame->preset.scene == preset_.scene) sceneLights_ = lightsOf(*scene_);
   emit sceneChanged();
   emit regionsChanged();
+  emit probesChanged();
   if (another) emit cameraChanged(true);
 }
 
@@ -289,6 +303,7 @@ void Document::announceAll() {
   emit techniqueChanged();
   emit displayChanged();
   emit regionsChanged();
+  emit probesChanged();
   emit presetChanged();
   emit cameraChanged(true);
   updateModified();

@@ -34,6 +34,10 @@ class Document : public QObject {
   void editRegions(const std::optional<std::vector<Region>>&, const QString& what, quint64 drag = 0);
   /// As they stand: the preset's, or the scene's.
   std::vector<Region> regions() const;
+  /// By hand; std::nullopt: the scene's own. `use`: probes.placement becomes manual in the same step.
+  void editProbes(const std::optional<std::vector<vec3>>&, bool use, const QString& what);
+  /// Those by hand as they stand: the preset's, or the scene's.
+  std::vector<vec3> probes() const;
   /// All of another experiment, camera included; this one's file stays. One step of undo.
   void restore(const Preset&, const QString& what);
   /// A number for a new drag.
@@ -71,6 +75,7 @@ class Document : public QObject {
   void displayChanged();
   void cameraChanged(bool fromOutside);        ///< false: moved through moveCamera
   void regionsChanged();
+  void probesChanged();
   void sceneChanged();                         ///< another scene, or its lights
   void modifiedChanged(bool modified);
   void openedFile(const QString& path, const QStringList& warnings);
@@ -100,6 +105,7 @@ class Document : public QObject {
   std::map<std::string, std::map<std::string, std::string>> otherTechniques_;  // parameters of those not shown now
   std::optional<LightEdits> sceneLights_;      // as the scene's file has them
   std::vector<Region> sceneRegions_;           // likewise
+  std::vector<vec3> sceneProbes_;              // likewise
   std::shared_ptr<const Scene> scene_;
   quint64 lastDrag_ = 0, edits_ = 0;
   int opening_ = 0;

@@ -42,6 +42,7 @@ class EngineLink : public QObject {
   /// One frame more, paused or not.
   virtual void renderOnce() {}
   virtual void setRegions(const std::optional<std::vector<Region>>&) = 0;  ///< none: the scene's
+  virtual void setProbes(const std::optional<std::vector<vec3>>&) = 0;  ///< by hand; none: the scene's
   virtual void setWorkPaused(bool) = 0;
   virtual void cancelWork() = 0;
   virtual void restartWork() = 0;

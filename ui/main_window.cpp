@@ -11,12 +11,14 @@
 #include <QThreadPool>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
 
 #include "engine/scene/scene_file.h"
 #include "ui/error_dock.h"
 #include "ui/inspector.h"
 #include "ui/log_dock.h"
 #include "ui/preset_actions.h"
+#include "ui/probes_panel.h"
 #include "ui/profiler_dock.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
@@ -32,6 +34,12 @@ namespace {
 constexpr int kPanelIntervalMs = 100;      // ten times a second at most
 constexpr int kProgressIntervalMs = 100;
 constexpr int kErrorShownMs = 12000;
+constexpr float kProbeLift = 0.05f;        // of a probe over the surface that was clicked, as a share of the scene's longest side
+
+float longestSide(const Bounds& b) {
+  const vec3 side = b.empty() ? vec3(0.0f) : b.max - b.min;
+  return std::max({side.x, side.y, side.z});
+}
 
 }  // namespace
 
@@ -62,6 +70,7 @@ MainWindow::MainWindow(EngineLink& link, Settings& settings, const QString& file
   buildStatusBar();
   connectEngine();
   connectTools();
+  connectProbes();
   connectSweep();
   restoreLayout();
   updateTitle();
@@ -219,6 +228,12 @@ void MainWindow::onFrame() {
       if (p.triangle != kNone) viewport_->focusOn(p.position);
     }
   }
+  if (const auto& p = frame_->picked; probePixel_ && p.x == probePixel_->x() && p.y == probePixel_->y()) {
+    probePixel_.reset();
+    // In front of the surface, as far as it takes to see something of it.
+    if (p.triangle != kNone && frame_->scene) probes_->add(p.position + p.normal * (kProbeLift * longestSide(frame_->scene->bounds)));
+  }
+  updateProbes();
   const QString message = QString::fromStdString(frame_->message);
   if (message != frameMessage_) {
     frameMessage_ = message;
@@ -236,6 +251,7 @@ void MainWindow::updatePanels() {
   scenePanel_->showFrame(*frame_);
   errors_->showFrame(frame_);
   inspector_->showFrame(frame_);
+  probes_->showFrame(frame_);
   const Provenance& p = frame_->provenance;
   QString text = tr("%1   %2   %3 \u00d7 %4").arg(QString::fromStdString(p.device), QString::fromStdString(p.tracer)).arg(frame_->width).arg(frame_->height);
   text += QStringLiteral("   ") + (frame_->settled ? tr("settled") : frame_->technique.running ? tr("baking") : frame_->reference.running ? tr("tracing the reference") : tr("rendering"));

@@ -29,6 +29,7 @@ class InspectorPanel;
 class LogPanel;
 class PresetActions;
 class ProfilerPanel;
+class ProbesPanel;
 class RegionsEditor;
 class ScenePanel;
 class ShaderWatcher;
@@ -98,6 +99,8 @@ class MainWindow : public QMainWindow {
   void holdReference(bool held);
   void connectTools();
   void updateRegions();
+  void connectProbes();
+  void updateProbes();
   void wantReferenceForView();
   void goToBookmark(int number);
   void storeBookmark(int number);
@@ -125,6 +128,7 @@ class MainWindow : public QMainWindow {
   ProfilerPanel* profiler_;
   ErrorPanel* errors_;
   RegionsEditor* regions_;
+  ProbesPanel* probes_;
   ComparePanel* comparePanel_;
   InspectorPanel* inspector_;
   SweepPanel* sweep_;
@@ -138,6 +142,7 @@ class MainWindow : public QMainWindow {
   QAction* pause_ = nullptr;
   QAction* regionTool_ = nullptr;
   QAction* showRegions_ = nullptr;
+  QAction* probeTool_ = nullptr;
   QActionGroup* presenterActions_ = nullptr;
   PresenterWish presenterWish_ = PresenterWish::Auto;
   std::shared_ptr<Presenter> presenter_;  ///< the engine's, or null
@@ -153,7 +158,7 @@ class MainWindow : public QMainWindow {
   const void* loadingWhat_ = nullptr;
   std::shared_ptr<const FrameResult> frame_;
   QString error_, frameMessage_;
-  std::optional<QPoint> focusPixel_;
+  std::optional<QPoint> focusPixel_, probePixel_;
   bool closeDecided_ = false, closeAfterSave_ = false, closeAfterSweep_ = false;
 };
 

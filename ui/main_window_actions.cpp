@@ -15,12 +15,15 @@
 #include <tuple>
 
 #include "engine/core/log.h"
+#include "engine/session/probe_views.h"
 #include "ui/error_dock.h"
 #include "ui/figure_dialog.h"
 #include "ui/inspector.h"
 #include "ui/main_window.h"
 #include "ui/parameter_panel.h"
 #include "ui/preset_actions.h"
+#include "ui/probe_tool.h"
+#include "ui/probes_panel.h"
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
@@ -67,6 +70,7 @@ void MainWindow::buildMenus() {
   });
   view->addAction(tr("Back to the viewport"), QKeySequence(Qt::Key_Escape), viewport_, [this] {
     regionTool_->setChecked(false);
+    probeTool_->setChecked(false);
     viewport_->hidePick();
     viewport_->setFocus();
   });
@@ -80,6 +84,8 @@ void MainWindow::buildMenus() {
   });
   connect(showRegions_, &QAction::toggled, this, &MainWindow::updateRegions);
   bar_->addTool(regionTool_);
+  probeTool_ = view->addAction(tr("Edit probes by hand"), QKeySequence(Qt::Key_H), this, [] {});
+  probeTool_->setCheckable(true);
   view->addAction(tr("Enlarge the picture"), QKeySequence(Qt::CTRL | Qt::Key_Plus), viewport_, &Viewport::zoomIn);
   view->addAction(tr("Make the picture smaller"), QKeySequence(Qt::CTRL | Qt::Key_Minus), viewport_, &Viewport::zoomOut);
   view->addAction(tr("Whole picture"), QKeySequence(Qt::CTRL | Qt::Key_0), viewport_, &Viewport::zoomToFit);
@@ -205,6 +211,45 @@ void MainWindow::connectTools() {
   connect(regions_, &RegionsEditor::drawWanted, regionTool_, [this] { regionTool_->setChecked(true); });
   connect(regions_, &RegionsEditor::shown, showRegions_, &QAction::setChecked);
   connect(&document_, &Document::regionsChanged, this, &MainWindow::updateRegions);
+}
+
+/// The probe tool: gestures of the viewport, the list in the dock, and the document between them.
+void MainWindow::connectProbes() {
+  ProbeTool& tool = viewport_->probeTool();
+  connect(probeTool_, &QAction::toggled, this, [this, &tool](bool on) {
+    probePixel_.reset();
+    if (on) {
+      regionTool_->setChecked(false);
+      probes_->takeOver();
+      showDock(QStringLiteral("probesDock"));
+      viewport_->setFocus();
+    }
+    tool.setActive(on);
+    probes_->setEditing(on);
+    updateProbes();
+  });
+  connect(regionTool_, &QAction::toggled, this, [this](bool on) {
+    if (on) probeTool_->setChecked(false);
+  });
+  connect(probes_, &ProbesPanel::editWanted, probeTool_, &QAction::setChecked);
+  connect(probes_, &ProbesPanel::selected, &tool, &ProbeTool::select);
+  connect(&tool, &ProbeTool::selectionChanged, this, [this, &tool] { probes_->select(tool.selected()); });
+  connect(&tool, &ProbeTool::moved, probes_, &ProbesPanel::move);
+  connect(viewport_, &Viewport::probeWanted, this, [this](int x, int y) {
+    probePixel_ = QPoint(x, y);
+    link_.pick(x, y);
+  });
+  connect(viewport_, &Viewport::probeDeletionWanted, this, [this, &tool] {
+    if (tool.selected()) probes_->remove(*tool.selected());
+  });
+  connect(&document_, &Document::probesChanged, this, &MainWindow::updateProbes);
+}
+
+void MainWindow::updateProbes() {
+  const std::vector<vec3> probes = probes_->probes();
+  const bool known = frame_ && frame_->probes && frame_->probes->positions == probes;
+  const auto scene = document_.scene();
+  viewport_->probeTool().setProbes(probes, known ? frame_->probes->inside : std::vector<uint8_t>(), scene ? probeMarkRadius(scene->bounds) : 0.0f);
 }
 
 void MainWindow::showDock(const QString& name) {

@@ -11,6 +11,7 @@
 #include "ui/log_dock.h"
 #include "ui/main_window.h"
 #include "ui/profiler_dock.h"
+#include "ui/probes_panel.h"
 #include "ui/regions_editor.h"
 #include "ui/scene_dock.h"
 #include "ui/settings.h"
@@ -21,7 +22,7 @@ namespace hl::ui {
 namespace {
 
 /// Raise it when docks come or go: older layouts are then left alone, and the default ones shown.
-constexpr int kLayoutVersion = 3;
+constexpr int kLayoutVersion = 4;
 const QString kLayoutKey = QStringLiteral("layout/state/"), kCurrentKey = QStringLiteral("layout/current"), kGeometryKey = QStringLiteral("layout/geometry");
 
 /// Where docks go in a named layout: those of one list are tabs of one place, the first in front.
@@ -33,9 +34,9 @@ struct Arrangement {
 
 const std::vector<Arrangement>& arrangements() {
   static const std::vector<Arrangement> all = {
-      {"tune", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "compareDock", "inspectorDock", "sweepDock", "logDock"}, 380, 250},
-      {"compare", {"compareDock", "techniqueDock", "sceneDock"}, {"inspectorDock"}, {"errorDock", "profilerDock", "sweepDock", "logDock"}, 400, 190},
-      {"profile", {"techniqueDock", "sceneDock"}, {}, {"profilerDock", "errorDock", "sweepDock", "compareDock", "inspectorDock", "logDock"}, 340, 480},
+      {"tune", {"techniqueDock", "sceneDock", "probesDock"}, {}, {"profilerDock", "errorDock", "compareDock", "inspectorDock", "sweepDock", "logDock"}, 380, 250},
+      {"compare", {"compareDock", "techniqueDock", "sceneDock", "probesDock"}, {"inspectorDock"}, {"errorDock", "profilerDock", "sweepDock", "logDock"}, 400, 190},
+      {"profile", {"techniqueDock", "sceneDock", "probesDock"}, {}, {"profilerDock", "errorDock", "sweepDock", "compareDock", "inspectorDock", "logDock"}, 340, 480},
   };
   return all;
 }
@@ -58,6 +59,7 @@ void MainWindow::buildDocks() {
   errors_ = new ErrorPanel(link_);
   comparePanel_ = new ComparePanel(compare_, document_);
   inspector_ = new InspectorPanel(link_, document_, feed_);
+  probes_ = new ProbesPanel(document_);
   regions_ = new RegionsEditor(document_);
   errors_->addPage(regions_, tr("Regions"));
   sweep_ = new SweepPanel(document_, link_, settings_, palette_);
@@ -66,6 +68,7 @@ void MainWindow::buildDocks() {
   setCorner(Qt::BottomRightCorner, Qt::RightDockWidgetArea);
   addDock(QStringLiteral("techniqueDock"), tr("Technique"), technique_);
   addDock(QStringLiteral("sceneDock"), tr("Scene"), scenePanel_);
+  addDock(QStringLiteral("probesDock"), tr("Probes"), probes_);
   addDock(QStringLiteral("profilerDock"), tr("Profiler"), profiler_);
   addDock(QStringLiteral("errorDock"), tr("Error"), errors_);
   addDock(QStringLiteral("compareDock"), tr("Compare"), comparePanel_);

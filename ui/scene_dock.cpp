@@ -186,6 +186,7 @@ void ScenePanel::showFrame(const FrameResult& f) {
   if (s.spotLights) has << tr("spot lights");
   if (s.directionalLights) has << tr("directional lights");
   if (s.sky) has << tr("sky");
+  if (s.environment) has << tr("environment map");
   if (s.alphaTested) has << tr("alpha-tested surfaces");
   if (s.albedoTextures) has << tr("albedo textures");
   if (s.normalMaps) has << tr("normal maps");

@@ -160,6 +160,9 @@ void SessionLink::renderOnce() { thread_->renderOnce(); }
 void SessionLink::setRegions(const std::optional<std::vector<Region>>& regions) {
   post("regions", [regions](Session& s) { s.setRegions(regions); });
 }
+void SessionLink::setProbes(const std::optional<std::vector<vec3>>& probes) {
+  post("probes", [probes](Session& s) { s.setProbes(probes); });
+}
 void SessionLink::setWorkPaused(bool paused) {
   post("pause work", [paused](Session& s) { s.setWorkPaused(paused); });
 }

@@ -32,6 +32,7 @@ class SessionLink : public EngineLink {
   void setImagesWanted(const std::vector<std::string>& names) override;
   void renderOnce() override;
   void setRegions(const std::optional<std::vector<Region>>&) override;
+  void setProbes(const std::optional<std::vector<vec3>>&) override;
   void setWorkPaused(bool) override;
   void cancelWork() override;
   void restartWork() override;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "ui/probe_tool.h"
 #include "ui/swapchain_view.h"
 
 namespace hl::ui {
@@ -25,7 +26,8 @@ const QList<int> kFlyKeys{Qt::Key_W, Qt::Key_A, Qt::Key_S, Qt::Key_D, Qt::Key_Pa
 
 }  // namespace
 
-Viewport::Viewport(QWidget* parent) : QWidget(parent) {
+Viewport::Viewport(QWidget* parent) : QWidget(parent), probeTool_(new ProbeTool(this)) {
+  connect(probeTool_, &ProbeTool::changed, this, qOverload<>(&QWidget::update));
   setObjectName(QStringLiteral("viewport"));
   setAccessibleName(tr("Viewport"));
   setFocusPolicy(Qt::StrongFocus);
@@ -170,6 +172,11 @@ QRectF Viewport::pictureRect() const {
   return view_.place(pictureSize(), paneAt({0, 0}));
 }
 
+QPointF Viewport::framePoint(QPointF p) const {
+  const QRectF r = view_.place(pictureSize(), paneAt(pressPosition_));
+  return {(p.x() - r.x()) / r.width() * frameSize().width(), (p.y() - r.y()) / r.height() * frameSize().height()};
+}
+
 std::optional<QPoint> Viewport::pixelAt(QPointF p) const {
   const QRectF r = view_.place(pictureSize(), paneAt(p));
   if (!frame_ || !r.contains(p)) return std::nullopt;
@@ -220,6 +227,7 @@ void Viewport::mousePressEvent(QMouseEvent* event) {
     bandStart_ = bandEnd_ = event->position();
     return;
   }
+  if (event->button() == Qt::LeftButton && frame_ && probeTool_->press(frame_->camera, frameSize(), framePoint(event->position()))) return;
   wipeDragged_ = event->button() == Qt::LeftButton && onWipe(event->position());
 }
 
@@ -227,6 +235,10 @@ void Viewport::mouseMoveEvent(QMouseEvent* event) {
   if (bandStart_) {
     bandEnd_ = event->position();
     update();
+    return;
+  }
+  if (probeTool_->dragging()) {
+    if (dragged_ || (event->position() - pressPosition_).manhattanLength() >= 4) dragged_ = true, probeTool_->drag(framePoint(event->position()), event->modifiers());
     return;
   }
   if (event->buttons() == Qt::NoButton) {
@@ -274,8 +286,20 @@ void Viewport::mouseReleaseEvent(QMouseEvent* event) {
     if (!shares.isEmpty()) emit regionDrawn(shares);
     return;
   }
+  if (probeTool_->dragging()) {
+    if (event->button() != Qt::LeftButton) return;
+    const std::optional<QPoint> pixel = pixelAt(event->position());
+    if (dragged_) return probeTool_->release();
+    probeTool_->cancelDrag();
+    if (pixel) emit pixelPicked(pixel->x(), pixel->y());  // what it sees
+    return;
+  }
   if (std::exchange(wipeDragged_, false) || dragged_ || event->button() == Qt::MiddleButton) return;
   if (const auto pixel = pixelAt(event->position())) {
+    if (probeTool_->active() && event->button() == Qt::LeftButton) {
+      emit probeWanted(pixel->x(), pixel->y());
+      return;
+    }
     pickShown_ = true;
     emit pixelPicked(pixel->x(), pixel->y());
     if (event->button() == Qt::RightButton) emit inspectWanted(pixel->x(), pixel->y());
@@ -283,7 +307,7 @@ void Viewport::mouseReleaseEvent(QMouseEvent* event) {
 }
 
 void Viewport::mouseDoubleClickEvent(QMouseEvent* event) {
-  if (regionTool_ || event->button() != Qt::LeftButton) return;
+  if (regionTool_ || probeTool_->active() || event->button() != Qt::LeftButton) return;
   if (const auto pixel = pixelAt(event->position())) emit focusWanted(pixel->x(), pixel->y());
 }
 
@@ -320,6 +344,8 @@ void Viewport::keyPressEvent(QKeyEvent* event) {
   } else if (const QPointF way = kArrows.value(key); !way.isNull() && (event->modifiers() & Qt::ControlModifier)) {
     view_.panBy(-way * 40, pictureSize(), paneAt({0, 0}));
     update();
+  } else if (probeTool_->active() && (key == Qt::Key_Delete || key == Qt::Key_Backspace)) {
+    emit probeDeletionWanted();
   } else if (moveWipe(key, event->modifiers())) {
   } else if (key >= Qt::Key_1 && key <= Qt::Key_9) {
     if (event->modifiers() & Qt::ControlModifier)

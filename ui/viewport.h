@@ -15,6 +15,7 @@
 
 namespace hl::ui {
 
+class ProbeTool;
 class SwapchainView;
 
 class Viewport : public QWidget {
@@ -42,6 +43,7 @@ class Viewport : public QWidget {
   void usePresenter(std::shared_ptr<Presenter>);
   /// That window, or null. Whether it has been drawn to: SwapchainView::isShown.
   const SwapchainView* swapchainView() const { return swapchain_.get(); }
+  ProbeTool& probeTool() { return *probeTool_; }
   bool regionTool() const { return regionTool_; }
   /// Where the picture lies in the widget; side by side, the left one. Zoomed in, it reaches beyond it.
   QRectF pictureRect() const;
@@ -53,6 +55,9 @@ class Viewport : public QWidget {
  signals:
   void cameraMoved(const hl::Camera& camera);
   void pixelPicked(int x, int y);
+  /// A click with the probe tool beside all probes: one is wanted in front of what this pixel shows.
+  void probeWanted(int x, int y);
+  void probeDeletionWanted();
   void focusWanted(int x, int y);
   void referenceHeld(bool held);
   void bookmarkWanted(int number);
@@ -101,6 +106,7 @@ class Viewport : public QWidget {
   QSize frameSize() const;
   QSizeF pictureSize() const;
   QRectF paneAt(QPointF) const;
+  QPointF framePoint(QPointF) const;  ///< in pixels of the frame, which it may lie beside
   void zoomBy(double factor, std::optional<QPointF> anchor = {});
   bool moveWipe(int key, Qt::KeyboardModifiers);
   bool onWipe(QPointF) const;
@@ -127,6 +133,7 @@ class Viewport : public QWidget {
   QTimer flyTimer_;
   QElapsedTimer flyClock_;
   QMetaObject::Connection dock_;
+  ProbeTool* probeTool_;
   std::unique_ptr<SwapchainView> swapchain_;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ui/pick_overlay.h"
+#include "ui/probe_tool.h"
 #include "ui/swapchain_view.h"
 #include "ui/viewport.h"
 
@@ -27,6 +28,7 @@ void Viewport::paintEvent(QPaintEvent*) {
 void Viewport::paintOver(QPainter& painter) {
   if (comparing()) paintComparison(painter, comparison_, view_, rect(), flickerSecond_);
   if (pickShown_ && frame_ && cameraKnown_ && !spaceHeld_) drawPickedSamples(painter, *frame_, controller_.camera(), pictureRect());
+  if (frame_ && !comparing() && !spaceHeld_) probeTool_->paint(painter, frame_->camera, frameSize(), pictureRect());
   drawOutlines(painter);
   drawLabels(painter);
 }
@@ -62,7 +64,7 @@ void Viewport::drawLabels(QPainter& painter) {
 /// Whether paintOver() paints anything.
 bool Viewport::overlaid() const {
   const bool labelled = spaceHeld_ || paused_ || view_.zoom() > 1 || !waiting_.isEmpty() || !notice_.isEmpty();
-  return labelled || comparison_.on() || pickShown_ || marked_ || bandStart_ || !regions_.empty();
+  return labelled || comparison_.on() || pickShown_ || marked_ || bandStart_ || !regions_.empty() || probeTool_->active();
 }
 
 PresentView Viewport::presentView() {

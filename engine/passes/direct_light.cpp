@@ -43,7 +43,8 @@ struct DirectLight::Impl {
   bool punctualDone = false, cleared = false;
 
   bool skyShines() const { return scene.sky.x > 0 || scene.sky.y > 0 || scene.sky.z > 0; }
-  bool hasSampled() const { return scene.emitterCount > 0 || skyShines(); }
+  bool environmentShines() const { return scene.environment.width > 0; }
+  bool hasSampled() const { return scene.emitterCount > 0 || skyShines() || environmentShines(); }
   bool hasLights() const { return scene.lightCount > 0 || hasSampled(); }
 
   uint64_t rayLimit() const {
@@ -60,6 +61,8 @@ struct DirectLight::Impl {
     b.emitters = withSampled ? scene.emitterCount : 0;
     b.skyRays = withSampled && skyShines() ? 1 : 0;
     b.sky = scene.sky;
+    b.environmentRays = withSampled && environmentShines() ? 1 : 0;
+    b.environment = scene.environment;
     return b;
   }
 
@@ -79,6 +82,8 @@ struct DirectLight::Impl {
         .bind("points", from, Access::Read)
         .bind("lights", scene.lights, Access::Read)
         .bind("emitters", scene.emitters, Access::Read)
+        .bind("environment_texels", scene.environmentTexels, Access::Read)
+        .bind("environment_table", scene.environmentTable, Access::Read)
         .bind("rays", buffers.rays, Access::Write)
         .bind("unshadowed", buffers.unshadowed, Access::Write)
         .push(b)
@@ -192,7 +197,7 @@ GpuImage DirectLight::recordPixels(FrameGraph& graph, const GBuffer& g, const Di
   } else {
     im.skipBatch(graph, "direct",
                  im.hasSampled()  ? "settled"
-                 : im.hasLights() ? "scene has no emitters and no sky"
+                 : im.hasLights() ? "scene has no emitters, no sky and no environment map"
                                   : kNoLights);
   }
   if (punctualNow || sampledNow) {

@@ -147,6 +147,21 @@ GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& di
   return radiance;
 }
 
+void recordBackground(FrameGraph& graph, const GBuffer& g, const GpuScene& scene, const Camera& camera, const GpuImage& radiance) {
+  if (scene.environment.width == 0) return graph.skip("background", "scene has no environment map");
+  const CameraBasis basis = cameraBasis(camera, static_cast<float>(g.width) / static_cast<float>(g.height));
+  struct Constants {
+    vec3 forward, right, down;
+    shared::EnvironmentInfo environment;
+  } constants{basis.forward, basis.right, basis.down, scene.environment};
+  graph.compute("background", "passes/background.comp")
+      .sample("position", g.position)
+      .bind("environment_texels", scene.environmentTexels, Access::Read)
+      .bind("radiance", radiance, Access::ReadWrite)
+      .push(constants)
+      .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
+}
+
 GpuImage recordToneMap(FrameGraph& graph, const GpuImage& source, const Display& display, bool sceneReferred, int width,
                        int height, const Buffer& counters) {
   const GpuImage shown = graph.transient("display", {width, height, Format::RGBA8});

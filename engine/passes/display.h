@@ -31,6 +31,8 @@ const std::vector<ViewInfo>& displayViews();
 /// Without `direct` it is the indirect light alone: no emission, no sky; pass "composite: indirect". Either image may
 /// be empty.
 GpuImage recordComposite(FrameGraph&, const GBuffer&, const GpuImage& direct, const GpuImage& indirect, vec3 sky);
+/// Adds the environment map to a composite, where the camera sees no surface. Pass "background"; skipped without a map.
+void recordBackground(FrameGraph&, const GBuffer&, const GpuScene&, const Camera&, const GpuImage& radiance);
 /// Display-referred RGBA8 of `source` (float or RGBA8; empty: black), stretched to the frame. Pass "tone map". Counts
 /// pixels that are not finite, and pixels with a negative channel (of radiance and colours), into `counters` (2 uints,
 /// set to 0 first).

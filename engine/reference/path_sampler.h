@@ -5,7 +5,7 @@
 
 namespace hl {
 
-enum class SamplePurpose : uint32_t { Direction, LightPoint, Choices, Count };
+enum class SamplePurpose : uint32_t { Direction, LightPoint, Choices, Count, Environment = Count };
 
 class PathSampler {
  public:
@@ -19,7 +19,9 @@ class PathSampler {
 
   vec2 next(uint32_t bounce, SamplePurpose purpose) {
     if (bounce < kStratifiedBounces) {
-      const uint32_t pair = bounce * static_cast<uint32_t>(SamplePurpose::Count) + static_cast<uint32_t>(purpose);
+      // The environment's pairs lie apart, so that all others stay as they are in scenes without one.
+      const uint32_t pair = purpose == SamplePurpose::Environment ? kEnvironmentPairs + bounce
+                                                                  : bounce * static_cast<uint32_t>(SamplePurpose::Count) + static_cast<uint32_t>(purpose);
       return shared::shuffledSobolPoint(sample_, shared::pcgHash(key_ ^ (pair * 0x9e3779b9u + 0x7f4a7c15u)));
     }
     const float x = shared::randomFloat(random_);
@@ -28,7 +30,7 @@ class PathSampler {
 
  private:
   // Later bounces see so many dimensions before them that stratifying them gains nothing.
-  static constexpr uint32_t kStratifiedBounces = 4;
+  static constexpr uint32_t kStratifiedBounces = 4, kEnvironmentPairs = 1024;
   uint32_t key_ = 0, sample_ = 0;
   shared::Random random_{};
 };

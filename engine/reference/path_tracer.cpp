@@ -35,6 +35,7 @@ PathTracer::PathTracer(const EmbreeScene& embree, const ReferenceSettings& setti
     : embree_(embree),
       scene_(embree.scene()),
       emitters_(scene_),
+      environment_(scene_.environment),
       frontFacesOnly_(settings.frontFacesOnly),
       mapped_(settings.receiver == ReceiverNormal::Mapped),
       maxBounces_(settings.maxBounces) {
@@ -131,18 +132,34 @@ vec3 PathTracer::foundEmission(const ShadingPoint& from, const EmitterChoice& ch
   return e.emission * shared::powerHeuristic(cosinePdf(from, direction), lightPdf);
 }
 
+vec3 PathTracer::sampledEnvironment(const ShadingPoint& p, vec2 u, PathCounters& counters) const {
+  const EnvironmentSample s = environment_.sample(u);
+  if (!(s.pdf > 0) || !above(p, s.direction)) return vec3(0.0f);
+  const float cosine = glm::dot(p.normal, s.direction);
+  ++counters.rays;
+  if (embree_.occluded(rayFrom(p.origin, s.direction))) return vec3(0.0f);
+  return s.radiance * (cosine / s.pdf * shared::powerHeuristic(s.pdf, cosine / kPi));
+}
+
+vec3 PathTracer::foundSky(const ShadingPoint& from, vec3 direction) const {
+  if (!environment_.shines()) return scene_.sky;
+  const vec3 seen = environment_.radiance(direction);
+  return scene_.sky + seen * shared::powerHeuristic(cosinePdf(from, direction), environment_.pdf(seen));
+}
+
 vec3 PathTracer::extended(const ShadingPoint& p, PathSampler& sampler, PathCounters& counters) const {
   const EmitterChoice choice = emitters_.weigh(p.origin, p.normal);
   vec3 sum(0.0f);
   if (emitters_.any())
     sum += sampledEmitter(p, choice, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
                           counters);
+  if (environment_.shines()) sum += sampledEnvironment(p, sampler.next(0, SamplePurpose::Environment), counters);
   const vec3 direction = shared::fromLocal(
       shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), p.normal);
   if (above(p, direction)) {
     ++counters.rays;
     const Hit hit = embree_.closest(rayFrom(p.origin, direction));
-    sum += kPi * (hit.primitive == shared::kMiss ? scene_.sky : foundEmission(p, choice, hit, direction));
+    sum += kPi * (hit.primitive == shared::kMiss ? foundSky(p, direction) : foundEmission(p, choice, hit, direction));
   }
   if (finite(sum)) return sum;
   ++counters.nonFinite;
@@ -186,6 +203,8 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
       add(bucket, throughput * sampledEmitter(p, choice, u, choices.x, counters) / kPi);
     }
 
+    if (environment_.shines()) add(bucket, throughput * sampledEnvironment(p, sampler.next(dimension, SamplePurpose::Environment), counters) / kPi);
+
     const bool last = bounce + 1 >= maxBounces_;
     if (last && !hasExtendedLight()) return;
     // Up to the last bucket of its own no path ends by chance, so that no bucket pays for another's speed.
@@ -201,7 +220,7 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
     hit = embree_.closest(rayFrom(p.origin, direction));
     // Emission that this ray finds, and the sky where it finds nothing, are direct light at y too.
     if (hit.primitive == shared::kMiss) {
-      add(bucket, throughput * scene_.sky);
+      add(bucket, throughput * foundSky(p, direction));
       return;
     }
     if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, choice, hit, direction));

@@ -7,6 +7,7 @@
 #include "engine/reference/path_sampler.h"
 #include "engine/reference/reference.h"
 #include "engine/reference/surface.h"
+#include "engine/scene/environment.h"
 
 namespace hl {
 
@@ -42,10 +43,10 @@ class PathTracer {
   void indirect(const ShadingPoint&, PathSampler& sampler, BounceSample& sum, PathCounters&) const;
   /// Irradiance from punctual lights, without noise.
   vec3 punctual(const ShadingPoint&, PathCounters&) const;
-  /// One estimate of direct irradiance from emissive surfaces and the sky.
+  /// One estimate of direct irradiance from emissive surfaces, sky and environment map.
   vec3 extended(const ShadingPoint&, PathSampler& sampler, PathCounters&) const;
   /// Whether `extended` is more than 0 anywhere.
-  bool hasExtendedLight() const { return !emitters_.empty() || scene_.sky != vec3(0.0f); }
+  bool hasExtendedLight() const { return !emitters_.empty() || scene_.sky != vec3(0.0f) || environment_.shines(); }
 
  private:
   struct Lamp {
@@ -57,9 +58,15 @@ class PathTracer {
   /// Radiance that the hit triangle sends back along the ray, weighed against light sampling.
   vec3 foundEmission(const ShadingPoint& from, const EmitterChoice&, const shared::Hit&, vec3 direction) const;
 
+  /// Irradiance by one direction that the environment map chose, weighed against chance finds.
+  vec3 sampledEnvironment(const ShadingPoint&, vec2 u, PathCounters&) const;
+  /// Radiance of sky and map where a ray, made by the cosine, hits nothing; the map's weighed against sampling it.
+  vec3 foundSky(const ShadingPoint& from, vec3 direction) const;
+
   const EmbreeScene& embree_;
   const Scene& scene_;
   Emitters emitters_;
+  EnvironmentLight environment_;
   std::vector<Lamp> lamps_;
   bool frontFacesOnly_, mapped_;
   int maxBounces_;

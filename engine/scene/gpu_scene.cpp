@@ -7,6 +7,7 @@
 
 #include "engine/core/error.h"
 #include "engine/gpu/device.h"
+#include "engine/scene/environment.h"
 #include "engine/scene/scene_pose.h"
 #include "shaders/shared/scene_types.h"
 
@@ -126,6 +127,10 @@ GpuScene uploadScene(Device& device, const Scene& scene) {
   g.textures = textures(device, scene, g.textureBytes);
   g.triangleCount = static_cast<uint32_t>(scene.indices.size());
   g.diagonal = scene.bounds.diagonal();
+  const EnvironmentLight environment(scene.environment);
+  g.environmentTexels = upload(device, "environment", environment.texels());
+  g.environmentTable = upload(device, "environment_table", environment.table());
+  if (environment.shines()) g.environment = environment.info();
   updateLights(device, g, scene);
   return g;
 }
@@ -156,7 +161,7 @@ void updateLights(Device& device, GpuScene& g, const Scene& scene) {
 std::vector<std::pair<std::string, uint64_t>> GpuScene::memory() const {
   std::vector<std::pair<std::string, uint64_t>> out;
   for (const Buffer* b :
-       {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &objectTransforms, &movingVertices, &materials, &lights, &emitters})
+       {&positions, &normals, &uvs, &indices, &materialIds, &objectIds, &objectTransforms, &movingVertices, &materials, &lights, &emitters, &environmentTexels, &environmentTable})
     if (*b) out.emplace_back(b->name(), b->size());
   if (textures) out.emplace_back(textures.name(), textureBytes);
   return out;

@@ -2,6 +2,7 @@
 // A scene's buffers and textures on the device, as shaders read them (shaders/scene.glsl has the matching declarations).
 #include "engine/gpu/resources.h"
 #include "engine/scene/scene.h"
+#include "shaders/shared/environment.h"
 #include "shaders/shared/scene_types.h"
 
 namespace hl {
@@ -26,6 +27,9 @@ struct GpuScene {
   uint32_t triangleCount = 0, lightCount = 0, emitterCount = 0, objectCount = 0, movingVertexCount = 0;
   float emitterPower = 0;   ///< sum of area times luminance, the normaliser of GpuEmitter::probability
   vec3 sky{0.0f};
+  Buffer environmentTexels;  ///< vec3, rows from the top; one element at least
+  Buffer environmentTable;   ///< EnvironmentLight::table()
+  shared::EnvironmentInfo environment{};
   float diagonal = 0;       ///< of the scene's bounds [m]; ray offsets are shares of it
   SceneFeatures features;
   std::vector<std::pair<std::string, uint64_t>> memory() const;  ///< bytes by resource

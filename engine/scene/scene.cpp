@@ -10,6 +10,7 @@
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
 #include "engine/scene/animation.h"
+#include "engine/scene/environment.h"
 #include "engine/scene/scene_build.h"
 #include "engine/scene/scene_pose.h"
 #include "engine/scene/texture_sampling.h"
@@ -85,6 +86,7 @@ SceneFeatures sceneFeatures(const Scene& scene) {
   f.movingObjects = f.surfaces && !scene.animations.empty();
   f.movingLights = !scene.lightAnimations.empty();
   f.sky = scene.sky.x > 0 || scene.sky.y > 0 || scene.sky.z > 0;
+  f.environment = EnvironmentLight(scene.environment).shines();
   return f;
 }
 
@@ -107,6 +109,11 @@ std::string sceneContentHash(const Scene& scene) {
   h.value<uint64_t>(scene.directionalLights.size());
   for (const DirectionalLight& l : scene.directionalLights) h.value(l.direction).value(l.irradiance);
   h.value(scene.sky);
+  // Scenes without any keep the hash they had.
+  if (!scene.environment.empty()) {
+    const Environment& e = scene.environment;
+    h.value(e.width).value(e.height).array(e.radiance).value(e.rotation).value(e.scale);
+  }
   // Scenes without any keep the hash they had.
   if (animated(scene)) hashAnimations(h, scene);
   return h.hex();

@@ -47,6 +47,16 @@ struct DirectionalLight {
   vec3 irradiance{1.0f};     ///< W/m^2 on a surface that faces it
 };
 
+/// Radiance from every direction that hits nothing, by an equirectangular map (shaders/shared/environment.h says which way it lies); the constant sky comes on top.
+struct Environment {
+  std::string file;             ///< that it came from
+  int width = 0, height = 0;
+  std::vector<vec3> radiance;   ///< rows from the top (+Y)
+  float rotation = 0;           ///< [rad], clockwise seen from above
+  vec3 scale{1.0f};             ///< of the radiance
+  bool empty() const { return radiance.empty(); }
+};
+
 struct Camera {
   std::string name;
   vec3 position{0, 1, 5}, target{0, 1, 0}, up{0, 1, 0};
@@ -146,6 +156,7 @@ struct Scene {
   std::vector<SpotLight> spotLights;
   std::vector<DirectionalLight> directionalLights;
   vec3 sky{0.0f};  ///< radiance from every direction that hits nothing
+  Environment environment;
 
   std::vector<Camera> cameras;  ///< at least one after loading
   std::vector<Region> regions;
@@ -162,11 +173,11 @@ struct Scene {
 
 /// What the scene has, so that passes and shader variants do only what it needs.
 struct SceneFeatures {
-  bool surfaces = false, emissive = false, pointLights = false, spotLights = false, directionalLights = false, sky = false;
+  bool surfaces = false, emissive = false, pointLights = false, spotLights = false, directionalLights = false, sky = false, environment = false;
   bool alphaTested = false, albedoTextures = false, normalMaps = false, twoSided = false;
   bool movingObjects = false, movingLights = false;  ///< at some time
   uint32_t emissiveTriangles = 0;
-  bool anyLight() const { return emissive || pointLights || spotLights || directionalLights || sky; }
+  bool anyLight() const { return emissive || pointLights || spotLights || directionalLights || sky || environment; }
 };
 SceneFeatures sceneFeatures(const Scene&);
 

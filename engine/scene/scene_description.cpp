@@ -35,6 +35,7 @@ class Reader {
     }
     each(o, "lights", [&](const Json& v, const std::string& place) { light(d, v, place); });
     if (const Json* v = o.find("sky")) d.sky = JsonObject::asVec3(*v, o.at("sky"), 0, kBrightest, true);
+    if (const Json* v = o.find("environment")) d.environment = environment(*v, o.at("environment"));
     each(o, "cameras", [&](const Json& v, const std::string& place) { d.cameras.push_back(camera(v, place)); });
     each(o, "regions", [&](const Json& v, const std::string& place) { d.regions.push_back(region(v, place)); });
     each(o, "probes", [&](const Json& v, const std::string& place) { d.probes.push_back(JsonObject::asVec3(v, place, -kFarthest, kFarthest)); });
@@ -173,6 +174,21 @@ class Reader {
     m.obtain = o.text("obtain", "");
     o.refuseUnknown();
     return m;
+  }
+
+  static EnvironmentReference environment(const Json& v, const std::string& place) {
+    EnvironmentReference e;
+    if (v.is_string()) {
+      e.file = v.get<std::string>();
+      return e;
+    }
+    JsonObject o(v, place);
+    e.file = JsonObject::asText(o.need("file"), o.at("file"));
+    e.rotation = static_cast<float>(o.number("rotation_degrees", 0, -360, 360)) * kPi / 180;
+    if (const Json* s = o.find("scale")) e.scale = JsonObject::asVec3(*s, o.at("scale"), 0, 1e9, true);
+    e.obtain = o.text("obtain", "");
+    o.refuseUnknown();
+    return e;
   }
 
   static vec3 point(JsonObject& o, const char* key) {

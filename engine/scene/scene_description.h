@@ -19,6 +19,13 @@ struct MeshReference {
   std::string obtain;  ///< where to get it, for the message when it is missing
 };
 
+struct EnvironmentReference {
+  std::string file;      ///< looked for as a mesh is
+  float rotation = 0;    ///< [rad]
+  vec3 scale{1.0f};
+  std::string obtain;
+};
+
 enum class ShapeType { Quad, Box, UvSphere, Icosphere, Lathe, Arch, Cloth };
 
 /// A procedural surface. Faces look inward or outward; each face is a chart of the lightmap where those are asked for.
@@ -67,6 +74,7 @@ struct SceneDescription {
   std::vector<SpotLight> spotLights;
   std::vector<DirectionalLight> directionalLights;
   vec3 sky{0.0f};
+  std::optional<EnvironmentReference> environment;
   std::vector<Camera> cameras;
   std::vector<Region> regions;
   std::vector<vec3> probes;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "engine/core/files.h"
+#include "engine/scene/environment.h"
 #include "engine/scene/mesh_import.h"
 #include "engine/scene/scene_build.h"
 #include "engine/scene/scene_bundle.h"
@@ -125,6 +126,12 @@ Scene fromDescription(const SceneDescription& d, const std::filesystem::path& fi
   scene.spotLights = d.spotLights;
   scene.directionalLights = d.directionalLights;
   scene.sky = d.sky;
+  if (d.environment) {
+    uint64_t negative = 0;
+    scene.environment = loadEnvironment(findEnvironment(*d.environment, file), negative);
+    scene.environment.rotation = d.environment->rotation, scene.environment.scale = d.environment->scale;
+    if (negative > 0) scene.report.warnings.push_back(fmt::format("{}: {} texels below 0 count as 0", scene.environment.file, negative));
+  }
   scene.cameras = d.cameras;
   scene.regions = d.regions;
   scene.probes = d.probes;

@@ -56,6 +56,8 @@ void lights(Stream& s, Scene& scene) {
   });
   s.list(scene.directionalLights, [&](DirectionalLight& l) { s.text(l.name), s.value(l.direction), s.value(l.irradiance); });
   s.value(scene.sky);
+  Environment& e = scene.environment;
+  s.text(e.file), s.value(e.width), s.value(e.height), s.array(e.radiance), s.value(e.rotation), s.value(e.scale);
 }
 
 template <class Stream>
@@ -112,6 +114,8 @@ void checkReferences(const Scene& s) {
   }
   for (const LightAnimation& a : s.lightAnimations) ascending(a.keys);
   for (const CameraPath& p : s.cameraPaths) ascending(p.keys);
+  const Environment& e = s.environment;
+  require(e.width >= 0 && e.height >= 0 && e.radiance.size() == static_cast<size_t>(e.width) * static_cast<size_t>(e.height));
   for (const Texture& t : s.textures)
     require(t.width > 0 && t.height > 0 && t.rgba.size() == size_t{4} * static_cast<size_t>(t.width) * static_cast<size_t>(t.height));
 }

@@ -61,8 +61,10 @@ fs::path findScene(const std::string& nameOrPath, const fs::path& beside) {
                              near.empty() ? "" : fmt::format("; did you mean '{}'?", near), list(folders)));
 }
 
-fs::path findMesh(const MeshReference& mesh, const fs::path& sceneFile) {
-  const fs::path asked(mesh.file);
+namespace {
+
+fs::path findFile(const char* what, const std::string& file, const std::string& obtain, const fs::path& sceneFile) {
+  const fs::path asked(file);
   if (asked.is_absolute() && isFile(asked)) return asked;
   const fs::path here = sceneFile.parent_path() / asked;
   if (isFile(here)) return here;
@@ -70,10 +72,14 @@ fs::path findMesh(const MeshReference& mesh, const fs::path& sceneFile) {
   if (asked.is_relative())
     for (const fs::path& folder : folders)
       if (isFile(folder / asked)) return folder / asked;
-  throw badInput(fmt::format("{}: its mesh '{}' is missing{}; looked in {} (HALFLIGHT_SCENES adds folders)",
-                             sceneFile.string(), mesh.file, mesh.obtain.empty() ? "" : "; get it from " + mesh.obtain,
-                             list(folders)));
+  throw badInput(fmt::format("{}: its {} '{}' is missing{}; looked in {} (HALFLIGHT_SCENES adds folders)", sceneFile.string(), what, file,
+                             obtain.empty() ? "" : "; get it from " + obtain, list(folders)));
 }
+
+}  // namespace
+
+fs::path findMesh(const MeshReference& mesh, const fs::path& sceneFile) { return findFile("mesh", mesh.file, mesh.obtain, sceneFile); }
+fs::path findEnvironment(const EnvironmentReference& e, const fs::path& sceneFile) { return findFile("environment map", e.file, e.obtain, sceneFile); }
 
 std::vector<SceneListing> listScenes() {
   std::vector<SceneListing> scenes;
@@ -94,6 +100,7 @@ std::vector<SceneListing> listScenes() {
         const SceneDescription d = parseSceneDescription(readFile(file), file);
         s.label = label(d, file);
         if (d.mesh) findMesh(*d.mesh, file);
+        if (d.environment) findEnvironment(*d.environment, file);
       } catch (const Error& e) {
         s.available = false, s.missing = e.what();
       }

@@ -11,6 +11,9 @@ namespace hl {
 /// nearest name.
 std::filesystem::path findScene(const std::string& nameOrPath, const std::filesystem::path& beside);
 
+/// A scene file's environment map, looked for as a mesh is. @throws Error(BadInput) saying where to get it.
+std::filesystem::path findEnvironment(const EnvironmentReference&, const std::filesystem::path& sceneFile);
+
 /// A scene file's mesh: beside the file, then along scenePath(). @throws Error(BadInput) saying where to get it.
 std::filesystem::path findMesh(const MeshReference&, const std::filesystem::path& sceneFile);
 

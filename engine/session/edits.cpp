@@ -9,6 +9,7 @@
 #include "engine/scene/scene_bundle.h"
 #include "engine/scene/scene_file.h"
 #include "engine/session/presenter.h"
+#include "engine/session/probe_views.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -37,6 +38,7 @@ std::shared_ptr<const Scene> summaryOf(const Scene& scene, const ScenePose& pose
   out->name = scene.name, out->source = scene.source, out->hash = scene.hash;
   out->objects = scene.objects, out->materials = scene.materials, out->hasUvs = scene.hasUvs;
   pose.restLights(*out);
+  out->environment.file = scene.environment.file, out->environment.rotation = scene.environment.rotation;
   out->sky = scene.sky, out->cameras = scene.cameras, out->regions = scene.regions, out->probes = scene.probes;
   out->animations = scene.animations, out->lightAnimations = scene.lightAnimations, out->cameraPaths = scene.cameraPaths;
   out->bounds = scene.bounds, out->report = scene.report;
@@ -65,6 +67,8 @@ void checkView(const std::string& view, const Technique& technique) {
   std::vector<std::string> ids;
   for (const ViewInfo& v : displayViews()) ids.push_back(v.id);
   for (const DebugView& v : technique.debugViews()) ids.push_back(v.id);
+  if (technique.needs().probes)
+    for (const ViewInfo& v : probeViews()) ids.push_back(v.id);
   for (const std::string& id : ids)
     if (id == view) return;
   throw badInput(fmt::format("view '{}': there is none of that name; there are {}", view, fmt::join(ids, ", ")));
@@ -178,6 +182,7 @@ void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
   directLight = std::make_unique<DirectLight>(device, shaders, gpuScene, *tracer);
   atlas.reset();
   placed.reset();
+  pickedProbe.reset();
   cornerUvs = {};
   pickPixel.reset();
   previousCamera.reset();

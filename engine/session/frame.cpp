@@ -83,6 +83,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
                           .irradiance;
   }
   s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky);
+  recordBackground(s.graph, s.gbuffer, s.gpuScene, camera, s.finalImage);
 
   GpuImage source = s.finalImage;
   bool sceneReferred = true;
@@ -118,6 +119,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (s.pickPixel) {
     s.picked = pickedPoint(s.device, s.gbuffer, s.pickPixel->first, s.pickPixel->second);
     s.pickReport = s.held || s.techniqueStale ? PickReport{} : s.technique->pick(s.picked);
+    s.pickProbe();
     s.pickPixel.reset();
   }
   const bool running = s.timeRuns();  // then a reference of this moment would be thrown away with the next frame
@@ -217,7 +219,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.features = s.features;
   r.triangles = s.scene->triangles();
   if (s.atlas) r.atlas = s.atlas->report;
-  if (s.technique->needs().probes && s.placed) r.probes = s.placed;
+  if (s.technique->needs().probes && s.placed) r.probes = s.placed, r.pickedProbe = s.pickedProbe;
   r.preset = preset();
   if (s.preset.animation.play) ++s.clockFrame;
   return result;

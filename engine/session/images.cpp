@@ -7,7 +7,9 @@
 
 #include "engine/core/hash.h"
 #include "engine/passes/error_colours.h"
+#include "engine/scene/environment.h"
 #include "engine/session/presenter.h"
+#include "engine/session/probe_views.h"
 #include "engine/session/session_impl.h"
 
 namespace hl {
@@ -42,7 +44,7 @@ Image SurfaceImages::composite(const Image& direct, const Image& indirect) const
   for (size_t i = 0; i < out.pixels(); ++i)
     for (size_t c = 0; c < 3; ++c) {
       const float e = direct.data[i * static_cast<size_t>(direct.channels) + c] + indirect.data[i * static_cast<size_t>(indirect.channels) + c];
-      out.data[i * 3 + c] = seen(i) ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : sky[static_cast<int>(c)];
+      out.data[i * 3 + c] = seen(i) ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : sky[static_cast<int>(c)] + (map.empty() ? 0.0f : map[i][static_cast<int>(c)]);
     }
   return out;
 }
@@ -57,7 +59,16 @@ std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(bool composi
 }
 
 SurfaceImages Session::Impl::surfaceImages() {
-  return {device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky};
+  SurfaceImages out{device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky, {}};
+  if (!features.environment) return out;
+  const EnvironmentLight environment(scene->environment);
+  const CameraBasis basis = cameraBasis(camera(), static_cast<float>(gbuffer.width) / static_cast<float>(gbuffer.height));
+  out.map.resize(out.position.pixels());
+  for (int y = 0; y < gbuffer.height; ++y)
+    for (int x = 0; x < gbuffer.width; ++x)
+      out.map[static_cast<size_t>(y) * static_cast<size_t>(gbuffer.width) + static_cast<size_t>(x)] =
+          environment.radiance(pixelDirection(basis, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, gbuffer.width, gbuffer.height));
+  return out;
 }
 
 Image Session::Impl::indirectIrradiance() {
@@ -175,6 +186,7 @@ void Session::Impl::publishPicture(FrameResult& r) {
 /// Views that are made on the host: the reference and the error maps. Without a reference the technique's picture stays, and a message says so.
 bool Session::Impl::showHostView(FrameResult& result) {
   const std::string& id = preset.display.view;
+  if (technique->needs().probes && isProbeView(id)) return showProbeView(result);
   const bool error = id.rfind("error", 0) == 0, truth = id.rfind("reference", 0) == 0;
   if (!error && !truth) return false;
   if (!full.result) {

@@ -81,6 +81,7 @@ void Session::Impl::placeProbes(Progress& p) {
   placed = std::make_shared<const PlacedProbes>(hl::placeProbes(probes, *scene, *embree, pool, p));
   for (const std::string& line : placed->warnings) logWarning(line);
   probesStale = false;
+  pickedProbe.reset();
   techniqueStale = true;
 }
 
@@ -159,7 +160,7 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
   do {
     technique->recordWork(graph);
     const BatchTimings t = graph.execute();
-    workProfiler.add(t);
+    if (!t.passes.empty()) workProfiler.add(t);  // a unit that only puts together what others made records none
     workMs += t.wallMs;
     msSinceReset += t.wallMs;
     ++workUnitsTimed;

@@ -126,6 +126,7 @@ struct FrameResult {
   uint64_t triangles = 0;
   AtlasReport atlas;                 ///< zero where the technique has no lightmap
   std::shared_ptr<const PlacedProbes> probes;  ///< null where the technique needs none
+  std::optional<uint32_t> pickedProbe;         ///< of these, by the last pick()
   Preset preset;                     ///< as it stands
   /// What setImagesWanted() named, of this frame: linear, 3 channels. Those of a reference are missing as long as there is none.
   std::map<std::string, std::shared_ptr<const Image>> images;

@@ -33,6 +33,7 @@ struct ReferenceRun {
 struct SurfaceImages {
   Image position, geometricNormal, albedo, emission;
   vec3 sky{0.0f};
+  std::vector<vec3> map;  ///< radiance of the environment map by pixel; empty without one
 
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
   /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
@@ -132,6 +133,7 @@ struct Session::Impl {
   std::optional<std::pair<int, int>> pickPixel;
   PickReport pickReport;
   PickedPoint picked;
+  std::optional<uint32_t> pickedProbe;
 
   ReferenceRun full, matched, lightmapRun;
   std::vector<ErrorValue> errors;
@@ -196,6 +198,9 @@ struct Session::Impl {
   Mask surfaceMask();          ///< without the rest of surfaceImages()
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   bool showHostView(FrameResult&);
+  // probe_views.cpp
+  void pickProbe();
+  bool showProbeView(FrameResult&);
   void publishPicture(FrameResult&);
   void publishImages(FrameResult&);
   const ReferenceRun* matchedRun() const;  ///< null as long as it has no picture

@@ -12,6 +12,8 @@ layout(local_size_x = 64) in;
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
 layout(scalar) readonly buffer lights_block { GpuLight lights[]; };
 layout(scalar) readonly buffer emitters_block { GpuEmitter emitters[]; };
+layout(scalar) readonly buffer environment_texels { vec3 environmentTexels[]; };
+layout(scalar) readonly buffer environment_table { float environmentTable[]; };
 layout(scalar) writeonly buffer rays_block { Ray rays[]; };
 layout(scalar) writeonly buffer unshadowed_block { vec3 unshadowed[]; };
 layout(push_constant, scalar) uniform Constants { DirectBatch batch; };
@@ -28,6 +30,8 @@ const uint kFewEmitters = 16u;
 const uint kEmitterDimension = 0x9e3779b9u;
 const uint kChoiceDimension = 0x85ebca6bu;
 const uint kSkyDimension = 0xc2b2ae35u;
+const uint kEnvironmentDimension = 0x27d4eb2fu;
+const uint kEnvironmentChoiceDimension = 0x165667b1u;
 
 struct Sample {
   Ray ray;
@@ -147,6 +151,38 @@ Sample sampleSky(SurfacePoint p, uint index, uint key) {
   return Sample(Ray(rayOrigin(p), 0.0, direction, kFar), batch.sky * kPi);
 }
 
+/// The first of `count` entries whose cumulative share exceeds u; u becomes how far into it.
+uint chooseCumulative(uint first, uint count, inout float u) {
+  uint low = 0u, high = count - 1u;
+  while (low < high) {
+    uint middle = (low + high) / 2u;
+    if (environmentTable[first + middle] > u) high = middle; else low = middle + 1u;
+  }
+  float before = low == 0u ? 0.0 : environmentTable[first + low - 1u];
+  float share = environmentTable[first + low] - before;
+  u = share > 0.0 ? clamp((u - before) / share, 0.0, 0.99999994) : 0.5;
+  return low;
+}
+
+/// By the map's luminance or by the receiver's cosine, evenly, weighed by the density of both together: each sample alone is without bias, and neither a small bright sun
+/// nor an even sky is left to the other's chance.
+Sample sampleEnvironment(SurfacePoint p, uint index, uint key) {
+  vec2 u = shuffledSobolPoint(index, key ^ kEnvironmentDimension);
+  vec3 direction;
+  if (shuffledSobolPoint(index, key ^ kEnvironmentChoiceDimension).x < 0.5) {
+    uint row = chooseCumulative(0u, batch.environment.height, u.y);
+    uint column = chooseCumulative(batch.environment.height + row * batch.environment.width, batch.environment.width, u.x);
+    direction = environmentDirection(batch.environment, column, row, u);
+  } else {
+    direction = fromLocal(sampleCosineHemisphere(u), p.normal);
+  }
+  float cosine = receivedCosine(p, direction);
+  if (!(cosine > 0.0)) return Sample(kNoRay, vec3(0.0));
+  vec3 radiance = environmentTexels[environmentTexel(batch.environment, direction)];
+  float density = 0.5 * (dot(radiance, vec3(0.2126, 0.7152, 0.0722)) / batch.environment.power + cosine / kPi);
+  return Sample(Ray(rayOrigin(p), 0.0, direction, kFar), radiance * (cosine / density));
+}
+
 void main() {
   uint i = gl_GlobalInvocationID.x, slot = gl_GlobalInvocationID.y;
   if (i >= batch.count) return;
@@ -157,11 +193,13 @@ void main() {
       s = samplePunctual(p, lights[slot]);
     } else {
       uint key = pcgHash((batch.targetBase + i) ^ pcgHash(batch.seed));
-      bool both = batch.emitters > 0u && batch.skyRays > 0u;
+      uint emitterRays = batch.emitters > 0u ? 1u : 0u;
+      uint kinds = emitterRays + batch.skyRays + batch.environmentRays;
       uint k = slot - batch.lights;
-      uint index = batch.firstSample + (both ? k / 2u : k);
-      if (batch.emitters > 0u && (!both || k % 2u == 0u)) s = sampleEmitter(p, index, key);
-      else s = sampleSky(p, index, key);
+      uint index = batch.firstSample + k / kinds, kind = k % kinds;
+      if (kind < emitterRays) s = sampleEmitter(p, index, key);
+      else if (kind < emitterRays + batch.skyRays) s = sampleSky(p, index, key);
+      else s = sampleEnvironment(p, index, key);
     }
   }
   bool dark = !(max(s.irradiance.x, max(s.irradiance.y, s.irradiance.z)) > 0.0);

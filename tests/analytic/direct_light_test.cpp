@@ -243,6 +243,59 @@ TEST_P(DirectLightTest, SkyOverATiltedReceiver) {
   }
 }
 
+Environment mapOf(int width, int height, const std::function<vec3(int x, int y)>& f) {
+  Environment e;
+  e.width = width, e.height = height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) e.radiance.push_back(f(x, y));
+  return e;
+}
+
+TEST_P(DirectLightTest, EnvironmentMaps) {
+  // Half a sky, and a constant one as if it were the sky's own colour.
+  Scene half;
+  half.environment = mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
+  use(half);
+  for (const float t : {0.0f, 0.7f, 1.5f}) {
+    const double expected = kPiD * (1 + std::cos(static_cast<double>(t))) / 2;
+    expectIrradiance(("half a sky, tilted by " + std::to_string(t)).c_str(), estimate(receiver(vec3(0.0f), {std::sin(t), std::cos(t), 0}), 4096, 64), expected);
+  }
+  Scene constant;
+  constant.environment = mapOf(16, 8, [](int, int) { return vec3(1, 2, 3); });
+  use(constant);
+  const Estimate even = estimate(receiver(vec3(0.0f), {0.6f, 0.8f, 0}), 2048, 64);
+  expectIrradiance("a constant map", even, kPiD);
+  EXPECT_NEAR(even.rgb.z / even.rgb.x, 3, 1e-4f);
+
+  // One bright texel: a directional light, wherever it is turned; and gone behind a wall.
+  constexpr int kWidth = 256, kHeight = 128, kRow = 30;
+  for (const float turn : {0.0f, 1.0f, -2.5f}) {
+    Scene s;
+    s.environment = mapOf(kWidth, kHeight, [](int x, int y) { return vec3(x == 200 && y == kRow ? 1e4f : 0.0f); });
+    s.environment.rotation = turn;
+    use(s);
+    const vec3 towards = shared::environmentDirection(gpuScene.environment, 200, kRow, vec2(0.5f));
+    const double angle = 2 * kPiD / kWidth * (std::cos(kPiD * kRow / kHeight) - std::cos(kPiD * (kRow + 1) / kHeight));
+    const vec3 normal = glm::normalize(towards + vec3(0.3f, 0.2f, -0.1f));
+    const Estimate e = estimate(receiver(vec3(0.0f), normal), 512, 64);
+    const double expected = 1e4 * angle * static_cast<double>(glm::dot(normal, towards));
+    printf("  %-6s one texel, turned by %.1f: %.6f, expected %.6f (standard error %.4f %%)\n", GetParam(), static_cast<double>(turn), e.mean, expected, 100 * e.error / expected);
+    EXPECT_NEAR(e.mean, expected, 3 * e.error + 1e-3 * expected);  // within the texel the cosine is not quite the middle's
+    EXPECT_LT(e.error, 0.001 * expected);
+    const vec3 across = glm::normalize(glm::cross(towards, vec3(0, 1, 0))), along = glm::cross(across, towards);
+    test::addQuad(s, towards - across - along, 2.0f * across, 2.0f * along, test::addMaterial(s));
+    use(std::move(s));
+    EXPECT_EQ(estimate(receiver(vec3(0.0f), normal), 64, 16).mean, 0);
+  }
+  // Beside the sky and an emitter each has its own share.
+  Scene all = square();
+  all.sky = vec3(0.5f);
+  all.environment = mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
+  use(std::move(all));
+  const double blocked = kCentredSquare * kPiD;
+  expectIrradiance("square, sky and map", estimate(receiver(vec3(0.0f), {0, 1, 0}), 2048, 64), kCentredSquare * kPiD * 2 + 1.5 * (kPiD - blocked));
+}
+
 TEST_P(DirectLightTest, BoxWhoseWallsAllShine) {
   // Every direction of every point's hemisphere brings radiance 1: irradiance is pi, in the middle of a wall, near an
   // edge and in a corner.

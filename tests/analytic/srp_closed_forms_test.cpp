@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "engine/core/spherical_harmonics64.h"
 #include "engine/scene/scene_file.h"
+#include "engine/techniques/srp/precomputation.h"
 #include "tests/session_fixture.h"
 #include "tests/srp_harness.h"
 
@@ -74,6 +76,55 @@ TEST(SrpPointLightCube, MatchesAtTheThreeInteriorPoints) {
   EXPECT_NEAR(centre, 468.4, 468.4 * 0.03);
   EXPECT_NEAR(side, 465.0, 465.0 * 0.03);
   EXPECT_NEAR(diagonal, 455.7, 455.7 * 0.03);
+}
+
+TEST(SrpTransport, HalfASkyIsExactFromOrderOne) {
+  // A plate in the open, tilted by t; the sky above the horizon shines with radiance 1: E = pi (1 + cos t) / 2. Light of the probes is the sky's own projection, so that
+  // what is tested is transport: cosine, misses, and that band-limiting loses nothing of E.
+  for (const double tilt : {0.0, 0.7, 2.4}) {
+    const vec3 normal(0, std::cos(static_cast<float>(tilt)), std::sin(static_cast<float>(tilt))), along(1, 0, 0), up = glm::cross(normal, along);
+    Scene scene = loadScene("point_light_cube");
+    scene.positions = {-0.5f * along - 0.5f * up, 0.5f * along - 0.5f * up, 0.5f * along + 0.5f * up, -0.5f * along + 0.5f * up};
+    scene.indices = {uvec3(0, 1, 2), uvec3(0, 2, 3)};
+    if (glm::dot(glm::cross(scene.positions[1] - scene.positions[0], scene.positions[2] - scene.positions[0]), normal) < 0) scene.indices = {uvec3(0, 2, 1), uvec3(0, 3, 2)};
+    scene.normals.assign(4, normal), scene.uvs.assign(4, vec2(0.0f));
+    scene.lightmapUvs.clear();
+    scene.materialIds.assign(2, 0), scene.objectIds.assign(2, 0);
+    scene.objects.resize(1);
+    scene.bounds = {};
+    for (vec3 p : scene.positions) scene.bounds.extend(p);
+    scene.pointLights = {{"lamp", 2.0f * normal, vec3(1.0f)}};
+    scene.probes = {normal * 0.3f, normal * 0.4f + 0.2f * along};
+    SrpHarness h(std::move(scene));
+    h.set("lightmap.resolution", "32").set("probes.placement", "manual");
+    for (int order : {1, 8}) {
+      h.set("srp.sh_order", std::to_string(order));
+      h.rebuild();
+      ASSERT_EQ(h.atlas.lumels.size() > 0, true);
+      const LightmapTables tables = makeLightmapTables(h.scene, h.atlas, 0, h.progress);
+      Buffer triangles = h.device->buffer("triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
+      h.device->upload(triangles, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
+      SrpParams params;
+      params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0;
+      Gpu gpu{*h.device, *h.shaders};
+      const SceneView view{h.scene, h.features, h.gpuScene, *h.tracer, *h.directLight, h.pool, &h.atlas, h.lightmap, h.direct, 1, &h.placed};
+      Precomputation work(gpu, view, params, triangles, h.progress);
+      while (!work.work().settled()) work.recordUnit(*h.graph), h.graph->execute();
+      // The sky's coefficients: zonal about y, 2 pi times the integral of P_l over [0, 1], times Y_lm(y).
+      const sh64::ShCoefficients axis = sh64::shBasis(order, glm::dvec3(0, 1, 0));
+      const double integral[] = {1, 0.5, 0, -0.125, 0, 0.0625, 0, -0.0390625, 0};
+      for (const ClusterTransport& t : work.transport())
+        for (uint32_t r = 0; r < t.receivers; ++r) {
+          double e = 0;
+          for (uint32_t i = 0; i < t.columns; ++i) {
+            const int j = static_cast<int>(i) % sh64::shCount(order), l = static_cast<int>(std::sqrt(j + 0.5));
+            e += static_cast<double>(t.weights[size_t{r} * t.rank + i]) * 2 * static_cast<double>(kPi) * integral[l] * axis.c[j];
+          }
+          ASSERT_NEAR(e, static_cast<double>(kPi) * (1 + std::cos(tilt)) / 2, 5e-3) << "tilt " << tilt << ", order " << order;
+          ASSERT_EQ(t.valid[r], 1.0f);
+        }
+    }
+  }
 }
 
 TEST(SrpInvariances, TwoLightsGiveTheSumAndMovingThemNeedsNoPrecomputation) {

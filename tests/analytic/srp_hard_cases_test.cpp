@@ -20,8 +20,9 @@ double leak(const SrpHarness& h, const std::vector<vec3>& e, float lowest, float
     const int side = l.position.z + 0.005f * l.normal.z > parting ? 1 : 0;
     sums[side] += static_cast<double>(luminance(glm::abs(e[i])) * l.area), areas[side] += static_cast<double>(l.area);
   }
-  const double bright = sums[0] / areas[0], dark = sums[1] / areas[1];
-  return dark / bright;
+  EXPECT_GT(areas[1], 0);
+  EXPECT_GT(sums[0], 0);
+  return sums[1] / areas[1] / (sums[0] / areas[0]);
 }
 
 TEST(SrpLeaks, NoneThroughAThinWallUncompressed) {
@@ -30,9 +31,11 @@ TEST(SrpLeaks, NoneThroughAThinWallUncompressed) {
   const double uncompressed = leak(h, h.light(), -1, 5, 2);
   h.set("srp.compression", "cpca").set("srp.pca_vectors", "32");
   const double compressed = leak(h, h.light(), -1, 5, 2);
+  // Not dark because nobody asks: nearly all receivers there have probes that see what they see.
+  EXPECT_LT(h.counter("invalid_receivers"), 0.01 * h.counter("receivers"));
   std::printf("thin wall: dark side %.2e of the bright one, with 32 vectors a cluster %.2e\n", uncompressed, compressed);
   EXPECT_LE(uncompressed, 1e-3);
-  EXPECT_LE(compressed, 2e-2);
+  EXPECT_LE(compressed, 1e-3);
 }
 
 class SrpWork : public SessionTest {};
@@ -81,12 +84,15 @@ TEST_F(SrpWork, GoesOnWhereItWasStopped) {
 
 TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
   std::vector<vec3> results[2];
+  uint64_t units[2] = {};
   for (int i = 0; i < 2; ++i) {
     SrpHarness h(loadScene("point_light_cube"));
-    h.set("srp.receiver_rays", "64").set("srp.sh_order", "2").set("srp.cluster_size", "256").set("srp.precompute_memory_mb", i == 0 ? "16" : "512");
-    h.set("lightmap.resolution", "48").set("srp.k", i == 0 ? "64" : "64");
+    h.set("srp.receiver_rays", "64").set("srp.sh_order", "0").set("srp.k", "8").set("srp.cluster_size", "1024").set("srp.precompute_memory_mb", i == 0 ? "2" : "512");
+    h.set("lightmap.resolution", "48");
     results[i] = h.light();
+    units[i] = h.technique->work().total;
   }
+  EXPECT_GT(units[0], units[1]);
   EXPECT_EQ(results[0], results[1]);
   SrpHarness h(loadScene("point_light_cube"));
   h.set("srp.cluster_size", "8192").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");

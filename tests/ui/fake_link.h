@@ -13,6 +13,7 @@ class FakeLink : public EngineLink {
   std::shared_ptr<const FrameResult> frame;
   std::vector<std::string> wanted;
   std::optional<std::vector<Region>> regions;
+  std::optional<std::vector<vec3>> probes;
   Playback playback;
   std::vector<CameraPath> paths;
   std::shared_ptr<Progress> work = std::make_shared<Progress>();
@@ -55,6 +56,10 @@ class FakeLink : public EngineLink {
   void setRegions(const std::optional<std::vector<Region>>& r) override {
     regions = r;
     note(r ? "regions " + std::to_string(r->size()) : "regions of the scene");
+  }
+  void setProbes(const std::optional<std::vector<vec3>>& p) override {
+    probes = p;
+    note(p ? "probes " + std::to_string(p->size()) : "probes of the scene");
   }
   void setWorkPaused(bool) override { note("pause work"); }
   void cancelWork() override { note("cancel work"); }

@@ -83,7 +83,7 @@ class WindowTest : public QObject {
       QVERIFY(dock->features() & QDockWidget::DockWidgetFloatable);
       QVERIFY(dock->features() & QDockWidget::DockWidgetClosable);
     }
-    QCOMPARE(names, (QSet<QString>{"techniqueDock", "sceneDock", "profilerDock", "errorDock", "compareDock", "inspectorDock", "sweepDock", "logDock"}));
+    QCOMPARE(names, (QSet<QString>{"techniqueDock", "sceneDock", "probesDock", "profilerDock", "errorDock", "compareDock", "inspectorDock", "sweepDock", "logDock"}));
   }
 
   void theLayoutComesBack() {

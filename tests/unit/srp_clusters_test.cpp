@@ -7,11 +7,14 @@
 
 #include "engine/core/files.h"
 #include "engine/techniques/srp/clusters.h"
+#include "engine/techniques/srp/compressor.h"
 #include "engine/techniques/srp/store.h"
 #include "tests/session_fixture.h"
 
 namespace hl {
 namespace {
+
+Progress progress;
 
 /// Lumels on the six faces of a cube of side 2.
 Atlas cube(int perFace) {
@@ -35,7 +38,7 @@ TEST(SrpClusters, EachReceiverIsInOneClusterThatIsSmallEnough) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 100;
-    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25);
+    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25, progress);
     std::set<uint32_t> seen(c.lumelOfReceiver.begin(), c.lumelOfReceiver.end());
     EXPECT_EQ(seen.size(), atlas.lumels.size());
     uint32_t next = 0;
@@ -63,7 +66,7 @@ TEST(SrpClusters, ManyReceiversInOnePlaceAreStillSplit) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 64;
-    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1).clusters) EXPECT_LE(r.receivers, 64u);
+    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1, progress).clusters) EXPECT_LE(r.receivers, 64u);
   }
 }
 
@@ -76,7 +79,7 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
   for (int i = 0; i < 10; ++i) probes.push_back(vec3(static_cast<float>(i), 0, 0));
   SrpParams params;
   params.k = 3;
-  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4);
+  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4, progress);
   ASSERT_EQ(near.clusters.size(), 1u);
   EXPECT_EQ(near.clusters[0].probes, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(near.clusters[0].slots, 3u);
@@ -87,13 +90,26 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
     EXPECT_NEAR(n.weight, probeWeight(std::abs(static_cast<float>(q) - 0.1f) / 2.9f), 1e-6f);
   }
   params.support = kSupportProbeRadius, params.radius = 0.5f;  // of 9 m
-  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4).clusters[0].probes.size(), 5u);
+  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4, progress).clusters[0].probes.size(), 5u);
   // None within reach: a cluster without columns.
   params.radius = 0.01f;
   atlas.lumels[0].position = vec3(0, 5, 0);
-  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4);
+  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4, progress);
   EXPECT_TRUE(none.clusters[0].probes.empty());
   EXPECT_EQ(none.clusters[0].near[0].weight, 0.0f);
+}
+
+TEST(SrpClusters, ProbesThatAreAllEquallyFarAreAskedAllTheSame) {
+  Atlas atlas;
+  atlas.lumels.resize(1);
+  const std::vector<vec3> probes{{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (int k : {1, 2, 3}) {
+    SrpParams params;
+    params.k = k;
+    const ReceiverCluster c = makeClusters(atlas, probes, params, 2, 1, progress).clusters[0];
+    EXPECT_EQ(c.probes.size(), static_cast<size_t>(k));
+    for (const shared::SrpNear& n : c.near) EXPECT_GT(n.weight, 0.0f);
+  }
 }
 
 TEST(SrpClusters, WeightIsSmoothAndFallsFromOneToNothing) {
@@ -117,35 +133,81 @@ class SrpStore : public ::testing::Test {
 };
 
 TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
+  size_t number = 0;
   TransportStore store("abc");
   EXPECT_TRUE(store.read(10).empty());
-  for (float v : {1.0f, 2.0f, 3.0f}) store.append(cluster(v));
+  for (float v : {1.0f, 2.0f, 3.0f}) store.append(number++, cluster(v));
   auto found = store.read(10);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[1].basis[0], 2.0f);
   EXPECT_EQ(found[2].valid, (std::vector<float>{1, 0.5f}));
   EXPECT_EQ(store.read(2).size(), 2u);  // no more than asked; the third stays or is made anew
 
-  TransportStore other("def");
-  for (float v : {1.0f, 2.0f, 3.0f}) other.append(cluster(v));
-  const auto size = std::filesystem::file_size(other.file());
-  std::filesystem::resize_file(other.file(), size - 5);  // cut off in the third
-  ASSERT_EQ(other.read(10).size(), 2u);
-  other.append(cluster(7));
-  found = other.read(10);
-  ASSERT_EQ(found.size(), 3u);
-  EXPECT_EQ(found[2].basis[0], 7.0f);
+  // Whoever comes second reads and does not write.
+  TransportStore second("abc");
+  EXPECT_EQ(second.read(10).size(), 3u);
+  second.append(3, cluster(4));
+  EXPECT_EQ(store.read(10).size(), 3u);
 
+  std::filesystem::path file;
+  {
+    TransportStore other("def");
+    file = other.file();
+    for (size_t i = 0; i < 3; ++i) other.append(i, cluster(static_cast<float>(i)));
+  }
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);  // cut off in the third
+  {
+    TransportStore other("def");
+    ASSERT_EQ(other.read(10).size(), 2u);
+    other.append(2, cluster(7));
+    found = other.read(10);
+    ASSERT_EQ(found.size(), 3u);
+    EXPECT_EQ(found[2].basis[0], 7.0f);
+    other.append(5, cluster(8));  // one that is not the next
+    EXPECT_EQ(other.read(10).size(), 3u);
+  }
   // A bit turned in the second: the first alone is whole.
-  std::string bytes = readFile(other.file());
+  std::string bytes = readFile(file);
   bytes[bytes.size() / 2] ^= 1;
-  writeFileAtomically(other.file(), bytes);
-  EXPECT_EQ(other.read(10).size(), 1u);
-  // Not ours at all.
-  writeFileAtomically(other.file(), "something else");
-  EXPECT_TRUE(other.read(10).empty());
-  other.append(cluster(1));
-  EXPECT_EQ(other.read(10).size(), 1u);
+  writeFileAtomically(file, bytes);
+  EXPECT_EQ(TransportStore("def").read(10).size(), 1u);
+  // Not ours at all; and empty.
+  for (const char* text : {"something else", ""}) {
+    writeFileAtomically(file, text);
+    TransportStore other("def");
+    EXPECT_TRUE(other.read(10).empty());
+    other.append(0, cluster(1));
+    EXPECT_EQ(other.read(10).size(), 1u);
+  }
+}
+
+TEST_F(SrpStore, AFolderThatCannotBeWrittenIsAWarning) {
+  writeFileAtomically(folder / "transport", "a file where the folder should be");
+  SrpParams params;
+  params.compression = kCompressionNone;
+  Compressor compressor(params, 1, 0, std::make_shared<TransportStore>("abc"), {});
+  for (int i = 0; i < 2; ++i) {
+    ClusterSums sums;
+    sums.receivers = 1, sums.columns = 2, sums.matrix = {1, 2}, sums.valid = {4};
+    compressor.add(std::move(sums));
+  }
+  EXPECT_EQ(compressor.finished().size(), 2u);
+}
+
+TEST(SrpCompressor, KeepsTheOrderWhateverIsDoneFirst) {
+  SrpParams params;
+  params.compression = kCompressionNone;
+  for (size_t most : {0u, 1u, 4u}) {
+    Compressor compressor(params, 1, most, nullptr, {});
+    for (uint32_t i = 0; i < 20; ++i) {
+      ClusterSums sums;
+      sums.receivers = 1, sums.columns = 1 + i, sums.matrix.assign(1 + i, 1.0f), sums.valid = {1};
+      compressor.add(std::move(sums));
+    }
+    compressor.drain();
+    ASSERT_EQ(compressor.finished().size(), 20u);
+    for (uint32_t i = 0; i < 20; ++i) EXPECT_EQ(compressor.finished()[i].columns, 1 + i);
+  }
 }
 
 }  // namespace

@@ -95,9 +95,10 @@ std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpP
     const auto k = static_cast<size_t>(params.k);
     const size_t sorted = std::min(k + 1, byDistance.size());
     std::partial_sort(byDistance.begin(), byDistance.begin() + static_cast<std::ptrdiff_t>(sorted), byDistance.end());
-    // To the first that is left out, so that weights end at 0; where all are asked, to twice the farthest.
+    // To the first that is left out, so that weights end at 0; where all are asked, to twice the farthest. Probes that are all equally far keep a little of it.
     count = std::min(k, byDistance.size());
-    if (count > 0) radius = byDistance.size() > k ? byDistance[k].first : 2 * byDistance[count - 1].first;
+    constexpr float kLeastReach = 1.01f;
+    if (count > 0) radius = byDistance.size() > k ? std::max(byDistance[k].first, kLeastReach * byDistance[count - 1].first) : 2 * byDistance[count - 1].first;
   }
   std::vector<Asked> asked;
   for (size_t i = 0; i < count; ++i) {
@@ -113,7 +114,7 @@ std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpP
 
 float probeWeight(float t) { return t < 1 ? 1 + t * t * (2 * t - 3) : 0.0f; }
 
-ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients) {
+ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients, Progress& progress) {
   ReceiverClusters result;
   result.lumelOfReceiver.resize(atlas.lumels.size());
   std::iota(result.lumelOfReceiver.begin(), result.lumelOfReceiver.end(), 0u);
@@ -123,6 +124,7 @@ ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, 
   else splitBoxes(atlas, result.lumelOfReceiver, most, ranges);
 
   for (const Range& range : ranges) {
+    progress.check();
     ReceiverCluster c;
     c.firstReceiver = static_cast<uint32_t>(range.data() - result.lumelOfReceiver.data());
     c.receivers = static_cast<uint32_t>(range.size());

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/progress.h"
 #include "engine/lightmap/atlas.h"
 #include "engine/techniques/srp/params.h"
 #include "engine/techniques/srp/unit.h"
@@ -26,7 +27,7 @@ struct ReceiverClusters {
 /// Falloff of a probe's weight with distance over radius: 1 - 3 t^2 + 2 t^3, 0 from 1 on (equation 4.4).
 float probeWeight(float t);
 
-/// `side`: the longest of the scene's bounds, which params.radius is a share of [m]. `coefficients`: columns a probe.
-ReceiverClusters makeClusters(const Atlas&, std::span<const vec3> probes, const SrpParams&, float side, uint32_t coefficients);
+/// `side`: the longest of the scene's bounds, which params.radius is a share of [m]. `coefficients`: columns a probe. @throws Error(Cancelled)
+ReceiverClusters makeClusters(const Atlas&, std::span<const vec3> probes, const SrpParams&, float side, uint32_t coefficients, Progress&);
 
 }  // namespace hl

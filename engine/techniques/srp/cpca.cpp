@@ -101,7 +101,7 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
     kept = leading(a, settings, settings.most, result.total, limit, result.singularValues);
   } else {
     // The lights take the first vectors; what is left of the matrix has no part in them, and so its components stand at right angles to them.
-    const uint32_t count = std::min(static_cast<uint32_t>(settings.keep.size()), settings.most);
+    const uint32_t count = std::min(static_cast<uint32_t>(settings.keep.size()), std::max(1u, settings.most / 2));
     Matrix lights(columns, count);
     for (uint32_t i = 0; i < count; ++i) lights.col(i) = Eigen::Map<const Eigen::VectorXf>(settings.keep[i].data(), columns).cast<double>().normalized();
     const Matrix rest = a - (a * lights) * lights.transpose();
@@ -135,6 +135,7 @@ std::vector<std::vector<float>> constantLights(std::span<const float> matrix, ui
     while (group[p] != p) p = group[p] = group[group[p]];
     return p;
   };
+  std::vector<double> energyOf(probes, 0.0);
   for (uint32_t r = 0; r < rows; ++r) {
     std::vector<double> energy(probes, 0.0);
     double total = 0;
@@ -144,20 +145,23 @@ std::vector<std::vector<float>> constantLights(std::span<const float> matrix, ui
     }
     uint32_t first = probes;
     for (uint32_t p = 0; p < probes; ++p) {
+      energyOf[p] += energy[p];
       if (!(energy[p] > kLeastShare * kLeastShare * total)) continue;
       if (first == probes) first = root(p);
       else group[std::max(first, root(p))] = std::min(first, root(p)), first = root(first);
     }
   }
+  std::vector<double> weight(probes, 0.0);
+  for (uint32_t p = 0; p < probes; ++p) weight[root(p)] += energyOf[p];
+  std::vector<uint32_t> roots;
+  for (uint32_t p = 0; p < probes; ++p)
+    if (root(p) == p && weight[p] > 0) roots.push_back(p);
+  std::stable_sort(roots.begin(), roots.end(), [&](uint32_t x, uint32_t y) { return weight[x] > weight[y]; });
   std::vector<std::vector<float>> lights;
-  std::vector<uint32_t> lightOf(probes, probes);
-  for (uint32_t p = 0; p < probes; ++p) {
-    const uint32_t g = root(p);
-    if (lightOf[g] == probes) {
-      lightOf[g] = static_cast<uint32_t>(lights.size());
-      lights.emplace_back(columns, 0.0f);
-    }
-    lights[lightOf[g]][size_t{p} * coefficients] = 1.0f;
+  for (uint32_t g : roots) {
+    lights.emplace_back(columns, 0.0f);
+    for (uint32_t p = 0; p < probes; ++p)
+      if (root(p) == g) lights.back()[size_t{p} * coefficients] = 1.0f;
   }
   return lights;
 }

@@ -21,19 +21,20 @@ struct ComponentSettings {
   double tolerance = 0;         ///< no more than leave out this share of the Frobenius norm; 0: as many as `most`
   bool exact = false;           ///< by all eigenvalues of the smaller Gram matrix, however large it is
   uint32_t seed = 1;            ///< of the randomised range finder
-  /// Lights (one number a column each) whose transport comes out exactly, at the price of a vector each; no two may share a column. Those beyond `most` are not kept.
+  /// Lights (one number a column each), the weightiest first, whose transport comes out exactly at the price of a vector each; no two may share a column. They take at most half of
+  /// the vectors (one where that is all): the rest are not kept.
   std::vector<std::vector<float>> keep = {};
 };
 
 /// Above this many rows and columns the range of the matrix is found by random projections with power iterations (Halko, Martinsson and Tropp 2011, algorithms
-/// 4.4 and 5.1), in double precision: the best `most` vectors to within a relative kRangeError of their energy, for a fraction of the time.
+/// 4.4 and 5.1), in double precision: nearly the best `most` vectors (tested) for a fraction of the time.
 inline constexpr uint32_t kExactSide = 128;
 
 /// `matrix`: rows x columns, row after row. Empty, zero and rank-one matrices are matrices like any other: the rank kept is never above the true one.
 Components principalComponents(std::span<const float> matrix, uint32_t rows, uint32_t columns, const ComponentSettings&);
 
 /// Light that is the same everywhere, apart for each group of probes that no receiver of the cluster asks together (two sides of a wall): constant light in one says
-/// nothing about the other. `matrix` as above, `coefficients` columns a probe, the first of them band 0.
+/// nothing about the other. Those of most transport first; probes that no receiver asks have none. `matrix` as above, `coefficients` columns a probe, the first of them band 0.
 std::vector<std::vector<float>> constantLights(std::span<const float> matrix, uint32_t rows, uint32_t columns, uint32_t coefficients);
 
 }  // namespace hl

@@ -45,21 +45,21 @@ PARAM_INT(pca_vectors, 32, 1, 128, 4, 128, Log, Rebuild, "vectors", "cpca: vecto
 PARAM_FLOAT(pca_tolerance, 0, 0, 1, 1e-4, 0.1, Log, Rebuild, "share",
             "cpca: a cluster keeps no more vectors than leave out this share of its transport (Frobenius norm). 0 keeps pca_vectors everywhere.")
 PARAM_BOOL(pca_keep_constant, true, Rebuild,
-           "cpca: one of the vectors is spent on light that is the same everywhere, which then passes unchanged, so that compression neither makes nor loses it bounce by bounce. The thesis has none.")
-PARAM_ENUM(clustering, SrpClustering, kClusteringAabb, Rebuild, "cpca: which receivers are compressed together.")
+           "cpca: vectors are spent on light that is the same everywhere, one for each group of probes that are asked together, so that compression neither makes nor loses it bounce by bounce. The thesis has none.")
+PARAM_ENUM(clustering, SrpClustering, kClusteringAabb, Rebuild, "Which receivers are computed and compressed together.")
 PARAM_INT(cluster_size, 1024, 16, 8192, 64, 4096, Log, Rebuild, "receivers", "Receivers a cluster has at most.")
 PARAM_ENUM(storage, SrpStorage, kStorageFloat32, Rebuild, "Numbers of the matrices.")
 PARAM_BOOL(multi_bounce, true, Reset, "Probes see the last frame's indirect light too: all bounces, one a frame. Off: the first alone.")
 PARAM_INT(update_frames, 1, 1, 16, 1, 16, Log, Reset, "frames",
           "Frames in which all probes have been updated once: each frame takes one probe in so many (probe update fraction 1 / this).")
-PARAM_ENUM(window, SrpWindow, kWindowNone, Live, "Takes ringing out of the probes' light, and sharpness with it. The mean (band 0) stays as it is.")
+PARAM_ENUM(window, SrpWindow, kWindowNone, Reset, "Takes ringing out of the probes' light, and sharpness with it. The mean (band 0) stays as it is.")
 PARAM_BOOL(environment_rays, true, Rebuild,
            "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
 PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightValid, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
 PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance. Either way it is counted.")
-PARAM_INT(precompute_memory_mb, 512, 16, 65536, 64, 8192, Log, Rebuild, "MiB",
-          "Memory that precomputation works in, results apart. Less makes it slower; it never changes what is computed but by rounding.")
+PARAM_INT(precompute_memory_mb, 512, 1, 65536, 64, 8192, Log, Rebuild, "MiB",
+          "Memory that precomputation works in, results apart. Less makes it slower and never changes what is computed.")
 PARAM_BOOL(cache, true, Rebuild, "Finished clusters are kept on disk, by content: what was stopped goes on there, and what was done is not done again.")
 PARAM_INT(slice_ms, 30, 1, 1000, 5, 200, Log, Live, "ms", "Precomputation done between two frames. Changes how long a frame waits, never the result.")
 

@@ -6,7 +6,6 @@
 
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
-#include "engine/techniques/srp/cpca.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -17,6 +16,9 @@ namespace {
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
 constexpr uint32_t kVersion = 2;
+
+/// What every device takes as groups along y.
+constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t);
@@ -29,22 +31,26 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
   progress.begin("receivers and their probes", 1);
-  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_);
-  progress.check();
+  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
+  progress.advance();
   allocate(scene);
-  if (params.cache) {
-    store_ = std::make_shared<TransportStore>(key(scene));
-    *finished_ = store_->read(clusters_.clusters.size());
-    for (size_t i = 0; i < finished_->size(); ++i) {
-      const ReceiverCluster& c = clusters_.clusters[i];
-      const ClusterTransport& t = (*finished_)[i];
-      if (t.receivers == c.receivers && t.columns == c.probes.size() * coefficients_) continue;
-      throw Error(ErrorKind::Run, store_->file().string() + ": does not fit what it was made for; delete it");
-    }
-    fromDisk_ = cluster_ = finished_->size();
-  }
+  takeUp(params.cache ? std::make_shared<TransportStore>(key(scene)) : nullptr);
   for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
+  ++unitsTotal_;
   for (size_t i = 0; i < cluster_; ++i) unitsDone_ += unitsOf(clusters_.clusters[i]);
+}
+
+/// What the disk has of it.
+void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
+  std::vector<ClusterTransport> finished;
+  if (store) finished = store->read(clusters_.clusters.size());
+  for (size_t i = 0; i < finished.size(); ++i) {
+    const ReceiverCluster& c = clusters_.clusters[i];
+    if (finished[i].receivers == c.receivers && finished[i].columns == c.probes.size() * coefficients_) continue;
+    throw Error(ErrorKind::Run, store->file().string() + ": does not fit what it was made for; delete it");
+  }
+  fromDisk_ = cluster_ = finished.size();
+  compressor_ = std::make_shared<Compressor>(params_, scene_.seed, compressions_, std::move(store), std::move(finished));
 }
 
 /// Of all that decides about the coefficients.
@@ -66,6 +72,8 @@ std::string Precomputation::key(const SceneView& scene) const {
 }
 
 void Precomputation::allocate(const SceneView& scene) {
+  if (clusters_.clusters.size() > kMostClusters)
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: {} clusters are more than {}; raise srp.cluster_size", clusters_.clusters.size(), kMostClusters));
   const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
   uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
   for (const ReceiverCluster& c : clusters_.clusters) {
@@ -77,7 +85,9 @@ void Precomputation::allocate(const SceneView& scene) {
   }
   // Each question belongs to a ray, of which there are fewer the more slots a receiver has; a unit takes at least one sample of each receiver.
   const uint64_t questionBytes = kBytesAQuestion + kBytesARay;
-  const uint64_t fixed = 4 * matrix + sizeof(shared::SrpNear) * near + 4 * receivers;
+  // A decomposition holds its matrix in single precision and, for a while, three times in double; one is in work at least.
+  const uint64_t decomposition = params_.compression == kCompressionNone ? 8 * matrix : 28 * matrix;
+  const uint64_t fixed = 4 * matrix + decomposition + sizeof(shared::SrpNear) * near + 4 * receivers;
   const uint64_t largest = device_.maxStorageBufferBytes();
   const uint64_t least = fixed + leastQuestions * questionBytes;
   if (least > budget)
@@ -88,6 +98,9 @@ void Precomputation::allocate(const SceneView& scene) {
                                                  (std::max(4 * matrix, leastQuestions * sizeof(shared::Ray)) >> 20) + 1, largest >> 20));
   const uint64_t wanted = std::min(device_.isCpu() ? kUnitRaysOnCpu : kUnitRaysOnGpu, largest / sizeof(shared::Ray));
   unitQuestions_ = std::max(leastQuestions, std::min(wanted, (budget - fixed) / questionBytes));
+  const uint64_t left = budget - fixed - unitQuestions_ * questionBytes;
+  // On a CPU device its rays and ours would only be in each other's way, and in that of the frames between.
+  compressions_ = device_.isCpu() ? 0 : static_cast<size_t>(std::clamp<uint64_t>(1 + left / decomposition, 1, scene.pool.threads()));
 
   std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, offset_), sorted;
   sorted.reserve(points.size());
@@ -123,7 +136,7 @@ WorkState Precomputation::work() const {
   WorkState state;
   state.done = unitsDone_;
   state.total = unitsTotal_;
-  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", cluster_ + 1, clusters_.clusters.size());
+  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", std::min(cluster_ + 1, clusters_.clusters.size()), clusters_.clusters.size());
   return state;
 }
 
@@ -136,6 +149,11 @@ void Precomputation::beginCluster(FrameGraph& graph) {
 
 void Precomputation::recordUnit(FrameGraph& graph) {
   if (work().settled()) return;
+  if (cluster_ == clusters_.clusters.size()) {
+    graph.host("srp: compress").run([compressor = compressor_](HostAccess&) { compressor->drain(); });
+    ++unitsDone_;
+    return;
+  }
   const ReceiverCluster& c = clusters_.clusters[cluster_];
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
@@ -196,45 +214,32 @@ void Precomputation::recordCompression(FrameGraph& graph) {
   graph.host("srp: compress")
       .read(matrix_)
       .read(valid_)
-      .run([params = params_, matrix = matrix_, valid = valid_, finished = finished_, store = store_, receivers = c.receivers,
-            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, seed = scene_.seed](HostAccess& memory) {
-        const auto all = static_cast<float>(params.receiver_rays);
-        const std::span<float> counts = memory.span<float>(valid), sums = memory.span<float>(matrix);
-        ClusterTransport t;
-        t.receivers = receivers, t.columns = columns;
-        std::vector<float> alpha(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(size_t{receivers} * columns));
-        for (size_t r = 0; r < receivers; ++r) {
-          t.valid.push_back(counts[r] / all);
-          const float mean = params.sample_weight == kSampleWeightAll ? all : counts[r];
-          const float scale = mean > 0 ? kPi / mean : 0.0f;
-          for (size_t i = 0; i < columns; ++i) alpha[r * columns + i] *= scale;
-        }
-        if (params.compression == kCompressionNone) {
-          for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
-          t.rank = columns;
-          t.weights = std::move(alpha);
-        } else {
-          ComponentSettings settings;
-          settings.most = static_cast<uint32_t>(params.pca_vectors);
-          settings.tolerance = static_cast<double>(params.pca_tolerance);
-          settings.seed = seed;
-          if (params.pca_keep_constant) settings.keep = constantLights(alpha, receivers, columns, coefficients);
-          Components p = principalComponents(alpha, receivers, columns, settings);
-          t.rank = p.rank;
-          t.basis = std::move(p.basis);
-          t.weights = std::move(p.weights);
-          t.total = p.total, t.discarded = p.discarded;
-        }
-        if (store) store->append(t);
-        finished->push_back(std::move(t));
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, receivers = c.receivers, columns = static_cast<uint32_t>(c.probes.size()) * coefficients_,
+            coefficients = coefficients_](HostAccess& memory) {
+        ClusterSums sums;
+        sums.receivers = receivers, sums.columns = columns, sums.coefficients = coefficients;
+        const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * columns), counts = memory.span<float>(valid).first(receivers);
+        sums.matrix.assign(values.begin(), values.end());
+        sums.valid.assign(counts.begin(), counts.end());
+        compressor->add(std::move(sums));
       });
 }
 
-void Precomputation::release() { near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = {}; }
+void Precomputation::release() {
+  for (ReceiverCluster& c : clusters_.clusters) c.near = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = {};
+}
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
   for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_}) bytes += *b ? b->size() : 0;
+  return bytes;
+}
+
+uint64_t Precomputation::hostBytes() const {
+  uint64_t bytes = 0;
+  for (const ClusterTransport& t : transport()) bytes += 4 * (t.basis.size() + t.weights.size() + t.valid.size());
+  for (const ReceiverCluster& c : clusters_.clusters) bytes += sizeof(shared::SrpNear) * c.near.size() + 4 * c.probes.size();
   return bytes;
 }
 

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "engine/lightmap/tables.h"
-#include "engine/techniques/srp/cluster_transport.h"
 #include "engine/techniques/srp/clusters.h"
-#include "engine/techniques/srp/store.h"
+#include "engine/techniques/srp/compressor.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -23,11 +22,12 @@ class Precomputation {
   void recordUnit(FrameGraph&);
 
   const ReceiverClusters& clusters() const { return clusters_; }
-  const std::vector<ClusterTransport>& transport() const { return *finished_; }
+  const std::vector<ClusterTransport>& transport() const { return compressor_->finished(); }
   /// Drops the working memory; to be called once work() has settled.
   void release();
   uint64_t clustersFromDisk() const { return fromDisk_; }
-  uint64_t workingBytes() const;
+  uint64_t workingBytes() const;   ///< on the device
+  uint64_t hostBytes() const;      ///< results, and the probes of receivers
   uint64_t raysCast() const { return raysCast_; }
 
  private:
@@ -35,6 +35,7 @@ class Precomputation {
   uint32_t samplesPerUnit(const ReceiverCluster&) const;
   std::string key(const SceneView&) const;
   void allocate(const SceneView&);
+  void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);
   void recordCompression(FrameGraph&);
 
@@ -42,10 +43,10 @@ class Precomputation {
   SceneView scene_;
   SrpParams params_;
   ReceiverClusters clusters_;
-  std::shared_ptr<std::vector<ClusterTransport>> finished_ = std::make_shared<std::vector<ClusterTransport>>();
-  std::shared_ptr<TransportStore> store_;
+  std::shared_ptr<Compressor> compressor_;
   Buffer triangles_, points_, probes_, near_, rays_, hits_, questions_, blocked_, scales_, matrix_, valid_;
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
+  size_t compressions_ = 1;       ///< at once
   size_t cluster_ = 0;            ///< being computed
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;

@@ -7,25 +7,31 @@
 #include "engine/core/error.h"
 #include "shaders/shared/lightmap_codes.h"
 #include "shaders/shared/ray.h"
+#include "shaders/shared/sampling.h"
 
 namespace hl {
 namespace {
 constexpr uint32_t kUnitRays = 1u << 16;
 }
 
-std::vector<vec3> sphereDirections(uint32_t count) {
+std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed) {
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  shared::Random random = shared::randomInit(seed, 0, 0);
+  const float u = shared::randomFloat(random), v = shared::randomFloat(random);
+  const vec3 axis = shared::sampleUniformSphere(vec2(u, v));
+  vec3 tangent, bitangent;
+  shared::orthonormalBasis(axis, tangent, bitangent);
   std::vector<vec3> directions;
   directions.reserve(count);
   for (uint32_t i = 0; i < count; ++i) {
     const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(std::max(0.0, 1 - z * z)), angle = golden * i;
-    directions.push_back(vec3(static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)), static_cast<float>(z)));
+    directions.push_back(tangent * static_cast<float>(r * std::cos(angle)) + bitangent * static_cast<float>(r * std::sin(angle)) + axis * static_cast<float>(z));
   }
   return directions;
 }
 
 ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel)
-    : device_(gpu.device), scene_(scene), samples_(samples), directions_(sphereDirections(samples)), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
+    : device_(gpu.device), scene_(scene), samples_(samples), directions_(sphereDirections(samples, scene.seed)), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
   probes_ = static_cast<uint32_t>(scene.probes->count());
   probesAUnit_ = std::clamp(kUnitRays / samples, 1u, std::max(1u, probes_));
   units_ = (probes_ + probesAUnit_ - 1) / probesAUnit_;
@@ -68,17 +74,18 @@ void ProbeSamples::recordUnit(FrameGraph& graph) {
   ++done_;
 }
 
-ProbeSamples::Counts ProbeSamples::counts() const {
-  Counts counts;
+const ProbeSamples::Counts& ProbeSamples::counts() const {
+  if (counted_ == done_) return counts_;
+  counted_ = done_;
+  counts_ = {};
   std::vector<uint32_t> codes(std::min<uint64_t>(done_ * probesAUnit_, probes_) * samples_);
-  if (codes.empty()) return counts;
   device_.download(codes_, codes.data(), codes.size() * sizeof(uint32_t));
   for (uint32_t c : codes) {
-    counts.misses += c == shared::kCodeMiss;
-    counts.backFaces += c == shared::kCodeBackFace;
-    counts.withoutTexel += c == shared::kCodeNoTexel;
+    counts_.misses += c == shared::kCodeMiss;
+    counts_.backFaces += c == shared::kCodeBackFace;
+    counts_.withoutTexel += c == shared::kCodeNoTexel;
   }
-  return counts;
+  return counts_;
 }
 
 }  // namespace hl

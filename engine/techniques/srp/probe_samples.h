@@ -8,11 +8,15 @@
 namespace hl {
 
 /// `count` directions spread evenly over the sphere: a spiral whose points have equal heights between them and turn by the golden angle. Products of spherical
-/// harmonics are summed far better over it than over as many random directions.
-std::vector<vec3> sphereDirections(uint32_t count);
+/// harmonics are summed far better over it than over as many random directions. `seed` turns the whole set.
+std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed);
 
 class ProbeSamples {
  public:
+  /// Of all samples: into the open, to back faces, to surfaces without a lumel.
+  struct Counts {
+    uint64_t misses = 0, backFaces = 0, withoutTexel = 0;
+  };
   ProbeSamples(Gpu&, const SceneView&, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel);
 
   uint64_t units() const { return units_; }
@@ -21,17 +25,15 @@ class ProbeSamples {
   void release() { rays_ = hits_ = {}; }
   const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
   const std::vector<vec3>& directions() const { return directions_; }
-  /// Of all samples: into the open, to back faces, to surfaces without a lumel. Blocking; from units that are done.
-  struct Counts {
-    uint64_t misses = 0, backFaces = 0, withoutTexel = 0;
-  };
-  Counts counts() const;
+  const Counts& counts() const;  ///< of units that are done; blocking, but asked of the device once
 
  private:
   Device& device_;
   SceneView scene_;
   uint32_t probes_ = 0, samples_ = 0, probesAUnit_ = 1;
   uint64_t units_ = 0, done_ = 0;
+  mutable Counts counts_;
+  mutable uint64_t counted_ = 0;  ///< units
   std::vector<vec3> directions_;
   Buffer triangles_, lumelOfTexel_, positions_, directionTable_, rays_, hits_, codes_;
 };

@@ -219,15 +219,10 @@ std::vector<MemoryItem> SrpRuntime::memory() const {
   return {{"transport matrices", matrixBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
 }
 
-uint32_t SrpRuntime::negativeReceivers() const {
+SrpRuntime::Counts SrpRuntime::counts() const {
   std::array<uint32_t, shared::kSrpCounters> counts{};
   if (frame_ > 0) device_.download(counters_, counts.data(), sizeof counts);
-  return counts[shared::kSrpNegative];
-}
-uint32_t SrpRuntime::nonFiniteReceivers() const {
-  std::array<uint32_t, shared::kSrpCounters> counts{};
-  if (frame_ > 0) device_.download(counters_, counts.data(), sizeof counts);
-  return counts[shared::kSrpNonFinite];
+  return {counts[shared::kSrpNegative], counts[shared::kSrpNonFinite]};
 }
 
 }  // namespace hl

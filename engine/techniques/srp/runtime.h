@@ -31,8 +31,10 @@ class SrpRuntime {
   const Buffer& coefficients() const { return coefficients_; }  ///< vec4 a probe and coefficient
   std::vector<MemoryItem> memory() const;
   uint64_t matrixBytes() const;                             ///< of clusters' matrices as they are stored
-  uint32_t negativeReceivers() const;                       ///< in the last frame. Blocking.
-  uint32_t nonFiniteReceivers() const;
+  struct Counts {
+    uint32_t negative = 0, nonFinite = 0;                   ///< receivers
+  };
+  Counts counts() const;                                    ///< in the last frame. Blocking.
 
  private:
   struct Page {

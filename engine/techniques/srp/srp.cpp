@@ -1,6 +1,7 @@
 // Sparse radiance probes (Bennett 2019, chapters 4 and 5), as a technique: parameters, work, views.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "engine/core/error.h"
@@ -9,6 +10,7 @@
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/probe_samples.h"
 #include "engine/techniques/srp/runtime.h"
+#include "shaders/shared/spherical_harmonics.h"
 
 namespace hl {
 namespace {
@@ -19,6 +21,21 @@ constexpr double kSettledResidual = 1e-3;
 constexpr uint32_t kMostSettlingFrames = 4096;
 
 uint32_t clusterColour(uint32_t cluster) { return 0xff000000u | (0x404040u + ((cluster + 1) * 2654435761u & 0x7f7f7fu)); }
+
+/// What light keeps of itself from bounce to bounce where it keeps most: the largest channel, of the brightest surfaces that are more than a tenth of all.
+double settlingAlbedo(const Atlas& atlas) {
+  std::vector<std::pair<double, double>> areas;  // albedo, area
+  double total = 0;
+  for (const Lumel& l : atlas.lumels) {
+    areas.push_back({static_cast<double>(std::max(l.albedo.x, std::max(l.albedo.y, l.albedo.z))), static_cast<double>(l.area)});
+    total += static_cast<double>(l.area);
+  }
+  std::sort(areas.begin(), areas.end(), std::greater<>());
+  double above = 0;
+  for (const auto& [albedo, area] : areas)
+    if ((above += area) >= 0.1 * total) return albedo;
+  return 0;
+}
 
 class Srp final : public Technique {
  public:
@@ -43,6 +60,9 @@ class Srp final : public Technique {
     if (2 * scene.scene.triangles() > gpu.device.maxTexelBufferElements())
       throw Error(ErrorKind::TooLarge, "srp: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                          std::to_string(gpu.device.maxTexelBufferElements() / 2) + ")");
+    if (params_.probe_rays < shared::shCount(params_.sh_order))
+      throw Error(ErrorKind::BadInput, "srp.probe_rays: " + std::to_string(params_.probe_rays) + " rays can't tell the " + std::to_string(shared::shCount(params_.sh_order)) +
+                                         " coefficients of order " + std::to_string(params_.sh_order) + " apart; more rays, or a lower srp.sh_order");
     gpu_.emplace(gpu);
     view_.emplace(scene);
     tables_ = makeLightmapTables(scene.scene, *scene.atlas, scene.lightmap.dilation, progress);
@@ -51,10 +71,8 @@ class Srp final : public Technique {
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
     samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
     precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, progress);
-    albedo_ = 0;
-    double area = 0;
-    for (const Lumel& l : scene.atlas->lumels) albedo_ += static_cast<double>(l.area * luminance(l.albedo)), area += static_cast<double>(l.area);
-    albedo_ = area > 0 ? albedo_ / area : 0;
+    albedo_ = settlingAlbedo(*scene.atlas);
+    tables_.triangles = {};
   }
   void reset() override {
     frames_ = sinceChange_ = 0;
@@ -139,6 +157,7 @@ class Srp final : public Technique {
     if (!precomputation_) return items;
     if (runtime_) items = runtime_->memory();
     items.push_back({"working memory of precomputation", precomputation_->workingBytes()});
+    items.push_back({"transport on the host", precomputation_->hostBytes()});
     for (auto& [name, bytes] : images_->memory()) items.push_back({name, bytes});
     uint64_t pixels = 0;
     for (const GpuImage& image : {result_, texels_, directImage_})
@@ -171,15 +190,16 @@ class Srp final : public Technique {
         {"uncompressed_bytes", uncompressed * number},
         {"cpca_relative_error", total > 0 ? std::sqrt(discarded / total) : 0},
     };
-    const ProbeSamples::Counts seen = samples_->counts();
+    const ProbeSamples::Counts& seen = samples_->counts();
     list.push_back({"probe_rays_into_the_open", static_cast<double>(seen.misses)});
     list.push_back({"probe_rays_to_back_faces", static_cast<double>(seen.backFaces)});
     list.push_back({"probe_rays_without_texel", static_cast<double>(seen.withoutTexel)});
     if (!runtime_) return list;
     list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes())});
     list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? uncompressed * number / static_cast<double>(runtime_->matrixBytes()) : 0});
-    list.push_back({"negative_receivers", runtime_->negativeReceivers()});
-    list.push_back({"lightmap_nan_inf", runtime_->nonFiniteReceivers()});
+    const SrpRuntime::Counts counts = runtime_->counts();
+    list.push_back({"negative_receivers", counts.negative});
+    list.push_back({"lightmap_nan_inf", counts.nonFinite});
     list.push_back({"pixels_without_texel", images_->pixelsWithoutTexel()});
     return list;
   }

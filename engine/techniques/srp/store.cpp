@@ -1,20 +1,26 @@
 #include "engine/techniques/srp/store.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include "engine/core/byte_stream.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
+#include "engine/core/log.h"
 
 namespace hl {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kMagic = "halflight transport 1\n";
+constexpr std::string_view kMagic = "halflight transport 2\n";
 
 std::string header(const std::string& key) { return std::string(kMagic) + key + "\n"; }
 
@@ -38,9 +44,47 @@ ClusterTransport decode(std::string_view bytes) {
   return c;
 }
 
+/// Oldest first, until the rest is small enough.
+void removeOldest(const fs::path& folder, const fs::path& but) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  uint64_t bytes = 0;
+  std::error_code ec;
+  for (const auto& e : fs::directory_iterator(folder, ec)) {
+    bytes += e.file_size(ec);
+    if (e.path() != but) files.push_back({e.last_write_time(ec), e.path()});
+  }
+  std::sort(files.begin(), files.end());
+  for (const auto& [time, file] : files) {
+    if (bytes <= kMostStoredBytes) return;
+    bytes -= std::min(bytes, fs::file_size(file, ec));
+    fs::remove(file, ec);
+  }
+}
+
+[[noreturn]] void fail(const fs::path& file, const char* what) { throw Error(ErrorKind::Run, file.string() + ": " + what + ": " + std::strerror(errno)); }
+
 }  // namespace
 
 TransportStore::TransportStore(const std::string& key) : file_(cacheFolder() / "transport" / (key + ".hlt")), key_(key) {}
+
+TransportStore::~TransportStore() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+/// Whether the file is this process's to write.
+bool TransportStore::lock() {
+  if (descriptor_ >= 0 || refused_) return descriptor_ >= 0;
+  std::error_code ec;
+  fs::create_directories(file_.parent_path(), ec);
+  removeOldest(file_.parent_path(), file_);
+  descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) fail(file_, "can't be opened");
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
+  close(descriptor_);
+  descriptor_ = -1;
+  refused_ = true;
+  return false;
+}
 
 std::vector<ClusterTransport> TransportStore::read(size_t clusters) {
   std::vector<ClusterTransport> found;
@@ -48,46 +92,52 @@ std::vector<ClusterTransport> TransportStore::read(size_t clusters) {
   if (!fs::is_regular_file(file_, ec)) return found;
   const std::string bytes = readFile(file_);
   const std::string head = header(key_);
+  constexpr size_t kDigest = 32, kFront = 2 * sizeof(uint64_t) + kDigest;
   size_t good = 0;
   if (std::string_view(bytes).substr(0, head.size()) == head) {
     good = head.size();
-    while (found.size() < clusters && bytes.size() - good >= sizeof(uint64_t)) {
-      uint64_t size = 0;
-      std::memcpy(&size, bytes.data() + good, sizeof size);
-      constexpr size_t kDigest = 32;
-      if (size > bytes.size() || bytes.size() - good - sizeof size < kDigest + size) break;
-      const std::string_view digest = std::string_view(bytes).substr(good + sizeof size, kDigest);
-      const std::string_view record = std::string_view(bytes).substr(good + sizeof size + kDigest, size);
+    while (found.size() < clusters && bytes.size() - good >= kFront) {
+      uint64_t number = 0, size = 0;
+      std::memcpy(&number, bytes.data() + good, sizeof number);
+      std::memcpy(&size, bytes.data() + good + sizeof number, sizeof size);
+      if (number != found.size() || size > bytes.size() - good - kFront) break;
+      const std::string_view digest = std::string_view(bytes).substr(good + 2 * sizeof size, kDigest);
+      const std::string_view record = std::string_view(bytes).substr(good + kFront, size);
       if (hashOf(record) != digest) break;
       try {
         found.push_back(decode(record));
       } catch (const std::out_of_range&) {
         break;
       }
-      good += sizeof size + kDigest + size;
+      good += kFront + size;
     }
   }
-  if (good < bytes.size()) {
-    if (good == 0) fs::remove(file_, ec);
-    else fs::resize_file(file_, good, ec);
-    if (ec) throw Error(ErrorKind::Run, file_.string() + ": its damaged end can't be taken off: " + ec.message());
-  }
+  fs::last_write_time(file_, fs::file_time_type::clock::now(), ec);  // what was used last goes last
+  if (good < bytes.size() && found.size() < clusters && lock() && ftruncate(descriptor_, static_cast<off_t>(good)) != 0) fail(file_, "its damaged end can't be taken off");
   return found;
 }
 
-void TransportStore::append(const ClusterTransport& c) {
-  std::error_code ec;
-  fs::create_directories(file_.parent_path(), ec);
-  const bool fresh = !fs::is_regular_file(file_, ec);
+void TransportStore::append(size_t number, const ClusterTransport& c) {
+  if (!lock()) return;
   const std::string record = encode(c);
   ByteWriter w;
+  w.value<uint64_t>(number);
   w.value<uint64_t>(record.size());
-  errno = 0;
-  std::ofstream out(file_, std::ios::binary | std::ios::app);
-  if (fresh) out << header(key_);
-  out << w.bytes() << hashOf(record) << record;
-  out.flush();
-  if (!out) throw Error(ErrorKind::Run, file_.string() + ": can't be written: " + std::strerror(errno));
+  struct stat status {};
+  if (fstat(descriptor_, &status) != 0) fail(file_, "can't be looked at");
+  std::string bytes = status.st_size == 0 ? header(key_) : std::string();
+  bytes += w.bytes() + hashOf(record) + record;
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t n = write(descriptor_, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const int reason = errno;
+      if (ftruncate(descriptor_, status.st_size) != 0) logWarning(file_.string() + ": ends in the middle of a cluster");
+      errno = reason;
+      fail(file_, "can't be written");
+    }
+    done += static_cast<size_t>(n);
+  }
 }
 
 }  // namespace hl

@@ -1,0 +1,94 @@
+#include "engine/techniques/srp/compressor.h"
+
+#include <chrono>
+#include <string>
+
+#include "engine/core/log.h"
+#include "engine/core/math.h"
+#include "engine/techniques/srp/cpca.h"
+
+namespace hl {
+
+ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
+  const auto all = static_cast<float>(params.receiver_rays);
+  ClusterTransport t;
+  t.receivers = sums.receivers, t.columns = sums.columns;
+  std::vector<float>& alpha = sums.matrix;
+  for (size_t r = 0; r < sums.receivers; ++r) {
+    t.valid.push_back(sums.valid[r] / all);
+    const float samples = params.sample_weight == kSampleWeightAll ? all : sums.valid[r];
+    const float scale = samples > 0 ? kPi / samples : 0.0f;
+    for (size_t i = 0; i < sums.columns; ++i) alpha[r * sums.columns + i] *= scale;
+  }
+  if (params.compression == kCompressionNone) {
+    for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
+    t.rank = sums.columns;
+    t.weights = std::move(alpha);
+    return t;
+  }
+  ComponentSettings settings;
+  settings.most = static_cast<uint32_t>(params.pca_vectors);
+  settings.tolerance = static_cast<double>(params.pca_tolerance);
+  settings.seed = seed;
+  if (params.pca_keep_constant) settings.keep = constantLights(alpha, sums.receivers, sums.columns, sums.coefficients);
+  Components p = principalComponents(alpha, sums.receivers, sums.columns, settings);
+  t.rank = p.rank;
+  t.basis = std::move(p.basis);
+  t.weights = std::move(p.weights);
+  t.total = p.total, t.discarded = p.discarded;
+  return t;
+}
+
+Compressor::Compressor(const SrpParams& params, uint32_t seed, size_t most, std::shared_ptr<TransportStore> store, std::vector<ClusterTransport> finished)
+    : params_(params), seed_(seed), most_(most), store_(std::move(store)), finished_(std::move(finished)) {}
+
+/// Work was stopped: what is begun is waited for in any case, and so is kept.
+Compressor::~Compressor() {
+  try {
+    drain();
+  } catch (const std::exception& e) {
+    logWarning(std::string("srp: the last transport was not kept: ") + e.what());
+  }
+}
+
+/// The first in work becomes the last that is finished. One that failed leaves a gap, and nothing is added after it: each cluster is known by its place.
+void Compressor::takeFirst() {
+  if (failed_) std::rethrow_exception(failed_);
+  std::future<ClusterTransport> first = std::move(inWork_.front());
+  inWork_.pop_front();
+  try {
+    finished_.push_back(first.get());
+  } catch (...) {
+    failed_ = std::current_exception();
+    inWork_.clear();  // waits for them
+    throw;
+  }
+  if (!store_) return;
+  try {
+    store_->append(finished_.size() - 1, finished_.back());
+  } catch (const std::exception& e) {
+    // The disk is for the next time; this time goes on without.
+    logWarning(std::string("srp: transport is not kept on disk: ") + e.what());
+    store_.reset();
+  }
+}
+
+void Compressor::add(ClusterSums sums) {
+  if (failed_) std::rethrow_exception(failed_);
+  const auto work = [params = params_, seed = seed_](ClusterSums s) { return compressCluster(std::move(s), params, seed); };
+  if (most_ == 0) {
+    std::promise<ClusterTransport> done;
+    done.set_value(work(std::move(sums)));
+    inWork_.push_back(done.get_future());
+    return takeFirst();
+  }
+  const auto ready = [&] { return inWork_.front().wait_for(std::chrono::seconds(0)) == std::future_status::ready; };
+  while (!inWork_.empty() && (inWork_.size() >= most_ || ready())) takeFirst();
+  inWork_.push_back(std::async(std::launch::async, work, std::move(sums)));
+}
+
+void Compressor::drain() {
+  while (!inWork_.empty()) takeFirst();
+}
+
+}  // namespace hl
