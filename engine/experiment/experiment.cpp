@@ -31,7 +31,7 @@ void setResolution(Preset& preset, const std::string& text) {
 }
 
 bool appliesTo(const PermuteAxis& axis, const std::string& technique) {
-  if (axis.key.find('.') == std::string::npos) return true;
+  if (axis.key.find('.') == std::string::npos || axis.key == kStartAxis) return true;
   return findParameter(parameterGroups(technique), axis.key) != nullptr;
 }
 
@@ -42,6 +42,8 @@ void apply(Configuration& c, const PermuteAxis& axis, const std::string& value) 
     c.preset.cameraName = value, c.preset.camera.reset();
   else if (axis.key == "resolution")
     setResolution(c.preset, value);
+  else if (axis.key == kStartAxis)
+    c.preset.animation.start = std::stof(value);
   else
     c.preset.parameters[axis.key] = value;
   c.values.emplace_back(axis.key, value);

@@ -14,7 +14,10 @@ inline constexpr int kExperimentVersion = 1;
 inline constexpr uint64_t kMaxRuns = 10'000;
 inline constexpr int kMaxAxisValues = 1000;
 
-/// What is varied: a dotted parameter key, "technique", "camera" or "resolution" ("640x360"); and its values as text.
+/// What is varied about the base's time: where it starts [s].
+inline constexpr const char* kStartAxis = "animation.start";
+
+/// What is varied: a dotted parameter key, "technique", "camera", "resolution" ("640x360") or kStartAxis; and its values as text.
 struct PermuteAxis {
   std::string key;
   std::vector<std::string> values;

@@ -14,6 +14,7 @@
 #include "engine/experiment/preset_names.h"
 #include "engine/experiment/preset_parameters.h"
 #include "engine/metrics/metrics.h"
+#include "engine/scene/animation.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kKeys = {"version",    "base",    "permute",         "seeds",       "metrics",
                                         "references", "stop",    "repeats",         "path_tracer", "images",
                                         "amortise_frames", "limit_ms"};
-const std::vector<std::string> kPlainAxes = {"technique", "camera", "resolution"};
+const std::vector<std::string> kPlainAxes = {"technique", "camera", "resolution", kStartAxis};
 
 class ExperimentReader {
  public:
@@ -109,6 +110,8 @@ class ExperimentReader {
         for (const JsonReader& v : listOf(values)) axis.values.push_back(v.text());
       else if (axis.key == "resolution")
         axis.values = resolutions(values);
+      else if (axis.key == kStartAxis)
+        for (const JsonReader& v : listOf(values)) axis.values.push_back(shortestText(v.number(0, kLongestAnimation)));
       else
         axis.values = parameterAxis(values, parameter(node, axis.key, techniques));
       withoutDoubles(axis.values);
@@ -162,7 +165,7 @@ class ExperimentReader {
     if (key == "seed" || key == "seeds") throw node.refused("seeds are not permuted: they go under \"seeds\", so that the spread over them is known");
     const std::string guess = nearest(key, near);
     throw node.refused(fmt::format("unknown parameter \"{}\" of technique {}{}", key, fmt::join(techniques, ", "),
-                                   guess.empty() ? "; also technique, camera and resolution can be permuted" : fmt::format("; did you mean \"{}\"?", guess)));
+                                   guess.empty() ? "; also technique, camera, resolution and animation.start can be permuted" : fmt::format("; did you mean \"{}\"?", guess)));
   }
 
   static std::vector<std::string> parameterAxis(const JsonReader& node, const ParamInfo& info) {

@@ -11,6 +11,7 @@
 #include "engine/experiment/preset_parameters.h"
 #include "engine/experiment/preset_schema.h"
 #include "engine/metrics/metrics.h"
+#include "engine/scene/animation.h"
 
 namespace hl {
 namespace {
@@ -33,6 +34,8 @@ Json axisJson(const PermuteAxis& axis, const Permutation& axes, const Preset& ba
       out.push_back(value);
     else if (axis.key == "resolution")
       out.push_back(Json::array({std::stoi(value), std::stoi(value.substr(value.find('x') + 1))}));
+    else if (axis.key == kStartAxis)
+      out.push_back(Json::parse(value));
     else
       out.push_back(parameterJson(declaration(axes, base, axis.key), value));
   }
@@ -89,14 +92,15 @@ std::string experimentSchema(const std::string& presets) {
   const Json side = {{"type", "integer"}, {"minimum", 1}, {"maximum", kMaxPresetSide}};
   const Json pair = {{"type", "array"}, {"items", side}, {"minItems", 2}, {"maxItems", 2}};
   const Json name = {{"type", "string"}};
+  const Json second = {{"type", "number"}, {"minimum", 0}, {"maximum", kLongestAnimation}};
   Json range = closed({{"from", number}, {"to", number}, {"count", {{"type", "integer"}, {"minimum", 2}, {"maximum", kMaxAxisValues}}}, {"log", {{"type", "boolean"}, {"default", false}}}},
                       {"from", "to", "count"});
   range["description"] = "Steps between two numbers, ends included; whole parameters are rounded, and what is then equal counts once.";
   const Json names = {{"anyOf", {name, listOf(name, "Their names.")}}};
   Json product = {{"type", "object"},
-                  {"properties", {{"technique", names}, {"camera", names}, {"resolution", {{"anyOf", {pair, listOf(pair, "[width, height] each.")}}}}}},
+                  {"properties", {{"technique", names}, {"camera", names}, {"resolution", {{"anyOf", {pair, listOf(pair, "[width, height] each.")}}}}, {kStartAxis, {{"anyOf", {second, listOf(second, "Where the scene's time starts [s].")}}}}}},
                   {"additionalProperties", {{"anyOf", {value, listOf(value, "The values that the parameter takes."), range}}}},
-                  {"description", "All combinations of the values. Keys are dotted parameter keys, and technique, camera, resolution. A parameter of one technique leaves the configurations of the others single."}};
+                  {"description", "All combinations of the values. Keys are dotted parameter keys, and technique, camera, resolution, animation.start. A parameter of one technique leaves the configurations of the others single."}};
   Json metrics = Json::array();
   for (const MetricInfo& m : metricInfos()) metrics.push_back(std::string(m.id));
   Json properties = {

@@ -129,7 +129,7 @@ TEST_F(SurfelsGrid, TheCamerasListsHoldEverySurfelThatReachesTheCell) {
   for (const vec3 eye : {vec3(0.1f, 0.2f, 0), vec3(-2.9f, -0.9f, 2.9f), vec3(0, 0.5f, -9)}) {
     shared::SurfelFrame frame{};
     frame.eye = eye, frame.radiusMax = 0.4f, frame.pixelAngle = 0.008f, frame.surfels = kCount, frame.diagonal = 9;
-    const CameraGridPlan plan = planCameraGrid(bounds, eye, shared::kLeastRadius * frame.radiusMax, params.radius_pixels * frame.pixelAngle);
+    const CameraGridPlan plan = planCameraGrid(bounds, eye, params.hit_reach * shared::kLeastRadius * frame.radiusMax, params.hit_reach * params.radius_pixels * frame.pixelAngle);
     EXPECT_LE(plan.cells, kMostCells);
     frame.gridInner = plan.inner, frame.gridEdge = plan.edge, frame.gridPerLog = plan.perLog;
     std::copy(plan.regions.begin(), plan.regions.end(), frame.regions);

@@ -68,6 +68,22 @@ TEST(Experiment, ListsAndRangesMakeAllCombinations) {
   EXPECT_TRUE(found);
 }
 
+TEST(Experiment, TheTimeAtWhichARunStartsIsVaried) {
+  const Experiment e = experimentFromJson(R"({"version": 1, "base": {"version": 1, "scene": "sponza", "technique": "none", "animation": {"play": true, "rate": 12, "camera_path": "flight"}},
+      "permute": {"animation.start": [0, 14.1]}})", "e.json");
+  for (const Experiment& x : {e, experimentFromJson(experimentJson(e), "again.json")}) {
+    const auto c = configurationsOf(x);
+    ASSERT_EQ(c.size(), 2u);
+    EXPECT_EQ(c[0].preset.animation.start, 0);
+    EXPECT_EQ(c[1].preset.animation.start, 14.1f);
+    EXPECT_EQ(c[1].label(), "animation.start 14.1");
+    EXPECT_TRUE(c[1].preset.animation.play);
+    EXPECT_NE(presetHash(c[0].preset), presetHash(c[1].preset));
+  }
+  expectRefusal(R"("permute": {"animation.start": [-1]})", "out of range");
+  expectRefusal(R"("permute": {"animation.stort": [1]})", "did you mean \"animation.start\"?");
+}
+
 TEST(Experiment, WholeNumbersAreRoundedAndCountOnce) {
   const Experiment e = read(R"("permute": {"radiosity.bounces": {"from": 1, "to": 4, "count": 9, "log": true}, "lightmap.dilation": [0, 1, 0]})");
   for (const PermuteAxis& a : e.permute[0]) {

@@ -17,7 +17,10 @@ void main() {
     shares[id] = 0u;
     return;
   }
-  const float rays = float(frame.rays), mean = rays / float(max(totals.alive, 1u));
-  const float share = rays * (float(priority) / float(totals.lastPriority));
-  shares[id] = uint(clamp(share, min(surfels.rays_min, mean), float(surfels.rays_max)) * float(kShareUnit));
+  // What young ones get beyond ray_budget takes nothing from the others. Where the batch is cut to what the device casts, all get less alike.
+  const float young = float(totals.lastYoung) / kYoungUnit, alive = float(max(totals.alive, 1u));
+  const float rays = float(frame.rays), budget = max(0.0, rays - surfels.ray_budget * young), mean = budget / alive;
+  const float share = budget * (float(priority & kPriorityMask) / float(totals.lastPriority));
+  const float beyond = min(surfels.ray_budget, rays / max(young, 1e-6)) * float(priority >> 16u) / kYoungUnit;
+  shares[id] = uint((clamp(share, min(surfels.rays_min, mean), float(surfels.rays_max)) + beyond) * float(kShareUnit));
 }

@@ -8,10 +8,11 @@ layout(local_size_x = 1) in;
 
 void main() {
   if (frame.frame == 0u) {
-    totals.highWater = totals.freeCount = totals.alive = totals.priority = 0u;
+    totals.highWater = totals.freeCount = totals.alive = totals.priority = totals.young = 0u;
   }
   totals.lastPriority = totals.priority;
+  totals.lastYoung = totals.young;
   totals.priority = 0u;
-  totals.entries = totals.largestCell = totals.largestTile = totals.inView = 0u;
+  totals.entries = totals.largestCell = totals.largestTile = totals.inView = totals.young = 0u;
   for (uint i = 0u; i < kSurfelCounters; ++i) totals.counters[i] = 0u;
 }

@@ -30,7 +30,8 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
   if (params.estimator == kEstimatorMean && params.freeze_frames == 0)
     throw badInput("surfels.estimator mean: a plain mean over a cache that feeds itself never forgets how dark it began, so it only starts once the cache is frozen; set "
                    "surfels.freeze_frames, to 256 say, or take multi_scale");
-  const float share = params.sizing == kSizingWorld ? params.radius : params.radius_max;
+  // No surfel reaches farther than the edge of a cell.
+  const float share = params.sizing == kSizingWorld ? std::max(params.radius, std::min(params.hit_reach * params.radius, params.radius_max)) : params.radius_max;
   const float diagonal = scene.gpuScene.diagonal > 0 ? scene.gpuScene.diagonal : 1.0f;
   const GridPlan plan = planGrid(scene.scene.bounds, share * diagonal);
   const uint64_t n = maxSurfels_;
@@ -117,8 +118,9 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.radius = params.radius * f.diagonal;
   f.radiusMax = params.radius_max * f.diagonal;
   if (grid_->camera()) {
-    const bool screen = params.sizing == kSizingScreen;
-    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, screen ? shared::kLeastRadius * f.radiusMax : f.radius, screen ? params.radius_pixels * f.pixelAngle : 0);
+    const float least = params.sizing == kSizingScreen ? shared::kLeastRadius * f.radiusMax : f.radius;
+    const float perMetre = params.sizing == kSizingScreen ? params.radius_pixels * f.pixelAngle : 0;
+    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, params.hit_reach * least, params.hit_reach * perMetre);
     f.gridInner = around.inner, f.gridEdge = around.edge, f.gridPerLog = around.perLog;
     f.cells = around.cells;
     std::copy(around.regions.begin(), around.regions.end(), f.regions);
@@ -135,8 +137,9 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.maxSurfels = maxSurfels_;
   const double inView = std::min(last_.inView, last_.alive);
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
+  const double young = last_.alive > 0 ? static_cast<double>(last_.young) / static_cast<double>(shared::kYoungUnit) : 0;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
-  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * counted), static_cast<long long>(most)));
+  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * (counted + young)), static_cast<long long>(most)));
   f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
   f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);
   f.candidates = f.tiles + f.rays;

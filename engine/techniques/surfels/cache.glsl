@@ -52,6 +52,8 @@ float radiusAt(vec3 position) {
   return clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);
 }
 
+/// How far a surfel of this radius lights where rays land: never beyond radius_max, by which far surfels are bounded already.
+float hitRadiusOf(float radius) { return max(radius, min(surfels.hit_reach * radius, frame.radiusMax)); }
 
 // ---------------------------------------------------------------------------------------------------------------- look-ups
 
@@ -84,10 +86,11 @@ struct Gathered {
   float nearestWeight;
 };
 
-float surfelWeight(vec3 p, vec3 n, uint id, vec4 placeRadius, vec3 surfelNormal) {
+/// `atHit`: with the reach it has where rays land.
+float surfelWeight(vec3 p, vec3 n, bool atHit, uint id, vec4 placeRadius, vec3 surfelNormal) {
   if (placeRadius.w <= 0.0) return 0.0;
   const vec3 to = p - placeRadius.xyz;
-  const float t2 = surfelDistance2(to, surfelNormal, placeRadius.w, surfels.normal_squash);
+  const float t2 = surfelDistance2(to, surfelNormal, atHit ? hitRadiusOf(placeRadius.w) : placeRadius.w, surfels.normal_squash);
   if (t2 >= 1.0) return 0.0;
   float weight = surfelFalloff(t2) * max(0.0, dot(n, surfelNormal));
   if (kDepthTest && weight > 0.0) {
@@ -117,13 +120,13 @@ void fillGap(vec3 p, vec3 n, uint first, uint end, inout Gathered g) {
 }
 
 /// In the order of the list, which is that of numbers: the same sum in every run, and from every list that has all that reach the point.
-Gathered gatherFrom(vec3 p, vec3 n, uint first, uint end) {
+Gathered gatherFrom(vec3 p, vec3 n, bool atHit, uint first, uint end) {
   Gathered g = Gathered(vec3(0.0), 0.0, 0.0, kNoSurfel, 0.0);
   for (uint e = first; e < end; ++e) {
     const uint id = cellEntries[e];
     const vec4 place = texelFetch(records, int(kRecordTexels * id));
     const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));
-    const float weight = surfelWeight(p, n, id, place, normal.xyz);
+    const float weight = surfelWeight(p, n, atHit, id, place, normal.xyz);
     if (weight <= 0.0) continue;
     g.coverage += weight;
     if (weight > g.nearestWeight) g.nearest = id, g.nearestWeight = weight;
@@ -136,10 +139,10 @@ Gathered gatherFrom(vec3 p, vec3 n, uint first, uint end) {
   return g;
 }
 
-Gathered gatherAt(vec3 p, vec3 n) {
+Gathered gatherAt(vec3 p, vec3 n, bool atHit) {
   uint first, end;
   cellList(cellAt(p), first, end);
-  Gathered g = gatherFrom(p, n, first, end);
+  Gathered g = gatherFrom(p, n, atHit, first, end);
   if (g.weight <= 0.0 && surfels.fill_gaps != 0) fillGap(p, n, first, end, g);
   return g;
 }

@@ -22,9 +22,11 @@ bool goes(uint id, SurfelState s) {
   // The farther from the eye, the sooner; at the scene's diagonal for certain.
   if (frame.fill > surfels.recycle_fill && idle > uint(surfels.recycle_frames))
     return luck < surfels.recycle_chance * min(1.0, 0.25 + distance(place.xyz, frame.eye) / frame.diagonal);
-  const vec3 normal = texelFetch(records, int(kRecordTexels * id + 1u)).xyz;
-  const Gathered g = gatherAt(place.xyz, normal);
-  return g.coverage - 1.0 > surfels.recycle_coverage;
+  // Only those that know their light count as covering: what has learnt does not make room for what has not.
+  const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));
+  const bool seen = frame.frame - s.lastSeen <= kRecentFrames;
+  const Gathered g = gatherAt(place.xyz, normal.xyz, !seen);
+  return g.weight - normal.w > (seen ? surfels.recycle_coverage : surfels.recycle_hidden);
 }
 
 void main() {

@@ -15,11 +15,11 @@ layout(rgba32f) readonly uniform image2D geometricNormal;
 layout(rgba32f) writeonly uniform image2D result;
 
 Gathered gatherPixel(ivec2 pixel, vec3 p, vec3 n) {
-  if (!kSplat) return gatherAt(p, n);
+  if (!kSplat) return gatherAt(p, n, false);
   const uint across = (frame.width + kSplatPixels - 1u) / kSplatPixels;
   uint first, end;
-  if (!listOf(frame.cells + uint(pixel.y) / kSplatPixels * across + uint(pixel.x) / kSplatPixels, first, end)) return gatherAt(p, n);
-  Gathered g = gatherFrom(p, n, first, end);
+  if (!listOf(frame.cells + uint(pixel.y) / kSplatPixels * across + uint(pixel.x) / kSplatPixels, first, end)) return gatherAt(p, n, false);
+  Gathered g = gatherFrom(p, n, false, first, end);
   if (g.weight <= 0.0 && surfels.fill_gaps != 0) {
     cellList(cellAt(p), first, end);
     fillGap(p, n, first, end, g);

@@ -64,7 +64,7 @@ void visitTiles(vec3 position, vec3 normal, float radius, uint id) {
 }
 
 void visitLists(vec3 position, vec3 normal, float radius, uint id) {
-  visitCells(position, normal, radius, id);
+  visitCells(position, normal, hitRadiusOf(radius), id);
   if (kSplat) visitTiles(position, normal, radius, id);
 }
 #endif

@@ -33,13 +33,15 @@ PARAM_FLOAT(radius_max, 0.02, 1e-3, 0.25, 5e-3, 0.1, Log, Rebuild, "of diagonal"
 PARAM_FLOAT(normal_squash, 4, 1, 64, 1, 16, Log, Reset, "times",
             "How much more a distance along a surfel's normal counts than one across it (Mahalanobis metric).")
 PARAM_FLOAT(coverage, 1, 0.05, 4, 0.25, 2, Log, Live, "weight", "A tile's least covered pixel gets a surfel when the surfels there weigh less than this.")
-PARAM_FLOAT(place_chance, 0.25, 0, 1, 0.02, 1, Linear, Live, "probability", "Whether a tile that wants a surfel gets it in this frame (0.08 in the thesis).")
+PARAM_FLOAT(place_chance, 1, 0, 1, 0.02, 1, Linear, Live, "probability", "Whether a tile that wants a surfel gets it in this frame (0.08 in the thesis).")
 PARAM_BOOL(chance_by_size, false, Live, "Lowers the chance where a surfel is larger on screen than a tile, so that neighbouring tiles do not place it twice.")
 PARAM_BOOL(claim_places, true, Live, "At most one new surfel a frame in a cube of about its diameter, so that tiles and rays do not place the same one twice. Off in the thesis.")
 PARAM_BOOL(fill_gaps, true, Live, "Where no surfel reaches, those of the grid's cell stand in until one does, whatever their distance. Off in the thesis: black.")
 PARAM_BOOL(spawn_at_hits, true, Live,
            "A ray that hits a surface without a surfel near may place one, also where the camera never looked. Off in the thesis: bounces from unseen surfaces are then lost.")
 PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit counts as having no surfel near when the surfels there weigh less than this.")
+PARAM_FLOAT(hit_reach, 2, 1, 2, 1, 2, Linear, Rebuild, "radii",
+            "How far a surfel lights where rays land, at most the largest radius. At 2 what no pixel sees takes a quarter of the surfels, and later bounces are as much coarser. 1 in the thesis.")
 PARAM_ENUM(grid, SurfelGridKind, kGridUniform, Rebuild, "Cells by which surfels near a point are found.")
 PARAM_INT(cell_limit, 512, 8, 4096, 16, 1024, Log, Live, "surfels", "A look-up reads at most so many surfels of its cell: those with the lowest numbers, in every frame the same. Cells beyond it are counted.")
 PARAM_FLOAT(ray_budget, 1, 0, 64, 0.25, 16, Log, Live, "rays a surfel", "Rays a frame, on average over all surfels. 0 casts none.")
@@ -48,6 +50,8 @@ PARAM_FLOAT(rays_min, 0.25, 0, 8, 0, 1, Linear, Live, "rays", "Least a surfel ge
 PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in a frame.")
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
 PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How much inconsistency (short mean against long mean, in deviations) adds to a surfel's rays.")
+PARAM_FLOAT(young_rays, 16, 0, 256, 0, 64, Linear, Live, "rays",
+            "Rays beyond ray_budget for a surfel in view, times the share that a new sample has in its estimate: what a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Rebuild, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
@@ -70,6 +74,8 @@ PARAM_BOOL(recycle, true, Live, "Removes surfels that nothing has looked at for 
 PARAM_FLOAT(recycle_fill, 0.75, 0, 1, 0.25, 1, Linear, Live, "of max_surfels", "From so many surfels on unseen ones are removed, the farther the sooner.")
 PARAM_INT(recycle_frames, 120, 1, 100000, 10, 1000, Log, Live, "frames", "Neither pixel nor ray has looked at a surfel for so long: it counts as unseen.")
 PARAM_FLOAT(recycle_coverage, 3, 0.5, 64, 2, 16, Log, Live, "weight", "A surfel that all others together cover by more than this may be removed.")
+PARAM_FLOAT(recycle_hidden, 0.5, 0.01, 64, 0.1, 16, Log, Live, "weight",
+            "The same for one that no pixel needs now. Rays place them where less than hit_coverage is, so dense ones left behind by a moving camera would be more than they need.")
 PARAM_FLOAT(recycle_chance, 0.05, 0, 1, 0.001, 0.2, Linear, Live, "probability", "Whether one that may be removed is, in this frame: if all went at once, a hole would be left.")
 PARAM_INT(freeze_frames, 0, 0, 100000, 0, 4096, Linear, Rebuild, "frames", "So many frames after a reset the cache freezes: no surfel is placed or removed any more. 0: never.")
 PARAM_INT(settle_frames, 256, 1, 100000, 16, 4096, Log, Live, "frames", "From so many frames without a change on the picture counts as settled.")

@@ -18,7 +18,8 @@ void main() {
   if (id >= frame.surfels || flags[id] == 0u) return;
   const uint left = totals.freeCount - min(placedOrder[frame.candidates], totals.freeCount);
   freeIds[left + order[id]] = id;
-  atomicAdd(totals.priority, 0u - states[id].priority);
+  atomicAdd(totals.priority, 0u - (states[id].priority & kPriorityMask));
+  atomicAdd(totals.young, 0u - (states[id].priority >> 16u));
   states[id].priority = 0u;
   records[kRecordTexels * id].w = 0.0;
   records[kRecordTexels * id + 1u].w = 0.0;

@@ -33,7 +33,7 @@ void main() {
   if (s.surfel != kNoSurfel && point.flags == kHitSurface) {
     const vec3 reflectance = albedo[ray].xyz;
     if (max(reflectance.x, max(reflectance.y, reflectance.z)) > 0.0) {
-      const Gathered g = gatherAt(point.position, point.geometricNormal);
+      const Gathered g = gatherAt(point.position, point.geometricNormal, true);
       countOne(kCountHits);
       if (g.coverage <= 0.0) countOne(kCountUncoveredHits);
       if (g.weight <= 0.0) countOne(kCountUnlitHits);

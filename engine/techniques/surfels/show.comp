@@ -40,7 +40,7 @@ vec3 colourOf(vec3 p, vec3 n, float coverage) {
     const float shade = 0.75 + 0.25 * float(pcgHash(cell) & 255u) / 255.0;  // tells cells apart
     return mix(vec3(0.1, 0.7, 0.25), vec3(0.8, 0.05, 0.05), clamp((count - kFew) / (kMany - kFew), 0.0, 1.0)) * shade;
   }
-  const Gathered g = gatherAt(p, n);
+  const Gathered g = gatherAt(p, n, false);
   if (g.nearest == kNoSurfel) return vec3(0.5, 0.0, 0.5);
   const SurfelState s = states[g.nearest];
   vec3 c = vec3(0.0);

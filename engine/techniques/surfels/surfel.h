@@ -29,7 +29,7 @@ struct SurfelState {
   uint rays;             ///< cast since birth: index in its sequence
   uint lastUsed;         ///< frame in which a ray's hit looked it up
   uint lastSeen;         ///< frame in which a pixel did
-  uint priority;         ///< its part in the rays; 0: free
+  uint priority;         ///< low half: its part in ray_budget, 0: free; high half: rays beyond it, in 1/kYoungUnit
 };
 
 /// What look-ups read, three vec4 a surfel: world position and radius (0: free), world normal and confidence, irradiance and 0.
@@ -79,6 +79,8 @@ struct SurfelTotals {
   uint alive;
   uint priority;     ///< sum of this frame's priorities, for the next one
   uint lastPriority; ///< ... of the last frame's, for this one
+  uint young;        ///< sum of what this frame's surfels want beyond ray_budget, for the next one, in 1/kYoungUnit
+  uint lastYoung;
   uint entries;      ///< surfels in cells
   uint largestCell;
   uint largestTile;
@@ -127,7 +129,9 @@ HL_CONST float kLeastRadius = 1.0f / 64.0f;
 HL_CONST uint kTilePixels = 16u;     ///< side of a placement tile
 HL_CONST uint kSplatPixels = 8u;     ///< side of a tile that lists surfels
 HL_CONST uint kShareUnit = 256u;     ///< of a ray, in which shares are counted
+HL_CONST float kYoungUnit = 8.0f;    ///< so that 2^20 surfels times the largest young_rays fit a word
 HL_CONST float kPriorityUnit = 64.0f;
+HL_CONST uint kPriorityMask = 0xffffu;
 HL_CONST uint kMaxPriority = 4095u;  ///< so that 2^20 of them fit a word
 HL_CONST uint kDepthSide = 4u;
 HL_CONST uint kGuideSide = 6u;

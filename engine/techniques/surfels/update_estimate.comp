@@ -116,10 +116,17 @@ void main() {
     records[kRecordTexels * id + 2u] = vec4(s.mean, 0.0);
   }
   const bool seen = frame.frame - s.lastSeen <= kRecentFrames;
-  if (seen) atomicAdd(totals.inView, 1u);
+  float young = 0.0;
+  if (seen) {
+    const float growth = max(windowGrowth(s.samples), 1.0);
+    young = min(surfels.young_rays * growth / (s.samples + growth), float(surfels.rays_max));
+    atomicAdd(totals.inView, 1u);
+  }
   const float worry = s.samples < kNewborn ? max(1.0, s.inconsistency) : s.inconsistency;
   const float priority = (seen ? 1.0 : surfels.hidden_share) * (1.0 + surfels.inconsistency_gain * worry);
-  s.priority = uint(clamp(priority * kPriorityUnit, 1.0, float(kMaxPriority)));
-  atomicAdd(totals.priority, s.priority);
+  const uint part = uint(clamp(priority * kPriorityUnit, 1.0, float(kMaxPriority))), beyond = uint(young * kYoungUnit);
+  s.priority = part | (beyond << 16u);
+  atomicAdd(totals.priority, part);
+  atomicAdd(totals.young, beyond);
   states[id] = s;
 }

@@ -45,7 +45,7 @@ void main() {
     if (weight >= kEnough) {
       value = sum / weight;
     } else {
-      const Gathered g = gatherAt(place.xyz, n);
+      const Gathered g = gatherAt(place.xyz, n, false);
       value = vec4(g.irradiance, g.coverage);
       if (g.coverage <= 0.0) countOne(kCountUncoveredPixels);
       if (g.weight <= 0.0) countOne(kCountUnlitPixels);
