@@ -97,4 +97,11 @@ inline Balance balanceIn(Session& session, int frames) {
   return b;
 }
 
+inline void expectReflectedIsAbsorbed(const Balance& b, double tolerance) {
+  std::printf("of %.3f W come in %.3f; reflected %.3f, absorbed of the indirect light %.3f: %+.2f %%\n", kUnevenCubeFlux, b.emitted, b.reflected, b.absorbed,
+              100 * (b.absorbed / b.reflected - 1));
+  EXPECT_NEAR(b.emitted, kUnevenCubeFlux, 0.005 * kUnevenCubeFlux);
+  EXPECT_NEAR(b.absorbed, b.reflected, tolerance * b.reflected);
+}
+
 }  // namespace hl::test

@@ -120,9 +120,4 @@ std::vector<std::pair<std::string, uint64_t>> LightmapImages::memory() const {
   return {{"texel tables", tables}, {"lightmap", images}, {"atlas views", 8 * texels}};
 }
 
-GpuImage sizedLike(Device& device, const GpuImage& image, const char* name, const GBuffer& g) {
-  if (image && image.width() == g.width && image.height() == g.height) return image;
-  return device.image(name, {g.width, g.height, Format::RGBA32F});
-}
-
 }  // namespace hl

@@ -44,7 +44,4 @@ class LightmapImages {
   bool counted_ = false;
 };
 
-/// `image` where it has the G-buffer's size, else a new one, RGBA32F.
-GpuImage sizedLike(Device&, const GpuImage& image, const char* name, const GBuffer&);
-
 }  // namespace hl

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/core/cache_room.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
@@ -68,31 +69,6 @@ ReferenceState parse(std::string_view bytes, std::string_view key, uint32_t rece
   take(s.punctual);
   take(s.ahead);
   return s;
-}
-
-void makeRoom(const std::filesystem::path& keep) {
-  namespace fs = std::filesystem;
-  struct Entry {
-    fs::path path;
-    uint64_t bytes;
-    fs::file_time_type time;
-  };
-  std::vector<Entry> entries;
-  uint64_t total = 0;
-  std::error_code ec;
-  for (const auto& e : fs::directory_iterator(keep.parent_path(), ec)) {
-    if (!e.is_regular_file(ec)) continue;
-    const uint64_t bytes = e.file_size(ec);
-    if (ec) continue;
-    total += bytes;
-    if (e.path() != keep && e.path().extension() == keep.extension())
-      entries.push_back({e.path(), bytes, e.last_write_time(ec)});
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.time < b.time; });
-  for (const Entry& e : entries) {
-    if (total <= kReferenceCacheBytes) return;
-    if (fs::remove(e.path, ec)) total -= e.bytes;
-  }
 }
 
 }  // namespace
@@ -163,7 +139,7 @@ void storeReference(const std::string& key, const ReferenceState& s) {
   std::error_code ec;
   std::filesystem::create_directories(file.parent_path(), ec);
   writeFileAtomically(file, bytes);
-  makeRoom(file);
+  makeRoom(file, kReferenceCacheBytes);
 }
 
 }  // namespace hl

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "shaders/shared/surface_point.h"
+#include "tests/environment_maps.h"
 #include "tests/trace_scenes.h"
 
 namespace hl {
@@ -243,25 +244,17 @@ TEST_P(DirectLightTest, SkyOverATiltedReceiver) {
   }
 }
 
-Environment mapOf(int width, int height, const std::function<vec3(int x, int y)>& f) {
-  Environment e;
-  e.width = width, e.height = height;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) e.radiance.push_back(f(x, y));
-  return e;
-}
-
 TEST_P(DirectLightTest, EnvironmentMaps) {
   // Half a sky, and a constant one as if it were the sky's own colour.
   Scene half;
-  half.environment = mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
+  half.environment = test::mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
   use(half);
   for (const float t : {0.0f, 0.7f, 1.5f}) {
     const double expected = kPiD * (1 + std::cos(static_cast<double>(t))) / 2;
     expectIrradiance(("half a sky, tilted by " + std::to_string(t)).c_str(), estimate(receiver(vec3(0.0f), {std::sin(t), std::cos(t), 0}), 4096, 64), expected);
   }
   Scene constant;
-  constant.environment = mapOf(16, 8, [](int, int) { return vec3(1, 2, 3); });
+  constant.environment = test::mapOf(16, 8, [](int, int) { return vec3(1, 2, 3); });
   use(constant);
   const Estimate even = estimate(receiver(vec3(0.0f), {0.6f, 0.8f, 0}), 2048, 64);
   expectIrradiance("a constant map", even, kPiD);
@@ -271,7 +264,7 @@ TEST_P(DirectLightTest, EnvironmentMaps) {
   constexpr int kWidth = 256, kHeight = 128, kRow = 30;
   for (const float turn : {0.0f, 1.0f, -2.5f}) {
     Scene s;
-    s.environment = mapOf(kWidth, kHeight, [](int x, int y) { return vec3(x == 200 && y == kRow ? 1e4f : 0.0f); });
+    s.environment = test::mapOf(kWidth, kHeight, [](int x, int y) { return vec3(x == 200 && y == kRow ? 1e4f : 0.0f); });
     s.environment.rotation = turn;
     use(s);
     const vec3 towards = shared::environmentDirection(gpuScene.environment, 200, kRow, vec2(0.5f));
@@ -290,7 +283,7 @@ TEST_P(DirectLightTest, EnvironmentMaps) {
   // Beside the sky and an emitter each has its own share.
   Scene all = square();
   all.sky = vec3(0.5f);
-  all.environment = mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
+  all.environment = test::mapOf(8, 4, [](int, int y) { return vec3(y < 2 ? 1.0f : 0.0f); });
   use(std::move(all));
   const double blocked = kCentredSquare * kPiD;
   expectIrradiance("square, sky and map", estimate(receiver(vec3(0.0f), {0, 1, 0}), 2048, 64), kCentredSquare * kPiD * 2 + 1.5 * (kPiD - blocked));

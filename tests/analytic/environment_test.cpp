@@ -13,6 +13,7 @@
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_pack.h"
 #include "tests/analytic/reference_fixture.h"
+#include "tests/environment_maps.h"
 #include "tests/temporary_folder.h"
 
 namespace hl {
@@ -21,13 +22,6 @@ namespace {
 using namespace test;
 constexpr double kPiD = 3.14159265358979323846;
 
-Environment mapOf(int width, int height, const std::function<vec3(int x, int y)>& f) {
-  Environment e;
-  e.width = width, e.height = height;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) e.radiance.push_back(f(x, y));
-  return e;
-}
 Environment oneTexel(int width, int height, int atX, int atY, float radiance) {
   return mapOf(width, height, [=](int x, int y) { return vec3(x == atX && y == atY ? radiance : 0.0f); });
 }

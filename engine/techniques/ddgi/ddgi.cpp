@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "engine/core/error.h"
+#include "engine/passes/pixel_image.h"
 #include "engine/techniques/ddgi/lattice.h"
 #include "engine/techniques/ddgi/probes.h"
 
@@ -48,10 +49,10 @@ class Ddgi final : public Technique {
     sinceChange_ = in.sinceChange + 1;
     probes_->record(graph, in.frame, in.seed);
     viewer_ = in.camera.position;
-    result_ = sized(result_, "ddgi: pixels", in.gbuffer);
+    result_ = pixelImage(*device_, result_, "ddgi: pixels", in.gbuffer);
     probes_->recordGather(graph, in.gbuffer, viewer_, result_);
     if (in.view == kProbesView || in.view == kStatesView) {
-      shown_ = sized(shown_, "ddgi: probes shown", in.gbuffer);
+      shown_ = pixelImage(*device_, shown_, "ddgi: probes shown", in.gbuffer);
       recordShow(graph, in);
     }
     if (in.view == kDistancesView) recordShowDistances(graph);
@@ -92,11 +93,6 @@ class Ddgi final : public Technique {
   }
 
  private:
-  GpuImage sized(const GpuImage& image, const char* name, const GBuffer& g) const {
-    if (image && image.width() == g.width && image.height() == g.height) return image;
-    return device_->image(name, {g.width, g.height, Format::RGBA32F});
-  }
-
   void recordShow(FrameGraph& graph, const FrameInputs& in) {
     const CameraBasis basis = cameraBasis(in.camera, static_cast<float>(in.gbuffer.width) / static_cast<float>(in.gbuffer.height));
     struct Constants {

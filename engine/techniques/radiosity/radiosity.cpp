@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/error.h"
+#include "engine/passes/pixel_image.h"
 #include "engine/techniques/radiosity/bake.h"
 
 namespace hl {
@@ -50,10 +51,10 @@ class Radiosity final : public Technique {
       return {};
     }
     bake_->recordImages(graph);
-    result_ = sizedLike(*device_, result_, "radiosity: irradiance", in.gbuffer);
+    result_ = pixelImage(*device_, result_, "radiosity: irradiance", in.gbuffer);
     bake_->images().recordPixels(graph, "radiosity: apply", in.gbuffer, result_, params_.lookup == kLookupNearest, false);
     if (in.view == kTexelsView) {
-      texels_ = sizedLike(*device_, texels_, "radiosity: texels", in.gbuffer);
+      texels_ = pixelImage(*device_, texels_, "radiosity: texels", in.gbuffer);
       bake_->images().recordPixels(graph, "radiosity: show texels", in.gbuffer, texels_, true, true);
     }
     return {result_};

@@ -6,6 +6,7 @@
 
 #include "engine/core/error.h"
 #include "engine/passes/lightmap_images.h"
+#include "engine/passes/pixel_image.h"
 #include "engine/techniques/srp/pick.h"
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/probe_samples.h"
@@ -125,10 +126,10 @@ class Srp final : public Technique {
     runtime_->setParams(params_);
     runtime_->record(graph);
     images_->record(graph, runtime_->irradiance());
-    result_ = sizedLike(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
+    result_ = pixelImage(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
     images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false);
     if (in.view == kTexelsView) {
-      texels_ = sizedLike(gpu_->device, texels_, "srp: texels", in.gbuffer);
+      texels_ = pixelImage(gpu_->device, texels_, "srp: texels", in.gbuffer);
       images_->recordPixels(graph, "srp: show texels", in.gbuffer, texels_, true, true);
     }
     if (in.view == "lightmap_direct") images_->recordMeans(graph, "direct lightmap", runtime_->direct(), directImage_);
@@ -169,13 +170,7 @@ class Srp final : public Technique {
   std::vector<std::pair<std::string, double>> counters() const override {
     if (!precomputation_) return {};
     const ReceiverClusters& clusters = precomputation_->clusters();
-    double uncompressed = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, columns = 0;
-    for (const ClusterTransport& t : precomputation_->transport()) {
-      uncompressed += static_cast<double>(t.receivers) * static_cast<double>(t.columns);
-      total += t.total, discarded += t.discarded;
-      vectors += t.rank, columns = std::max(columns, static_cast<double>(t.columns));
-      for (float v : t.valid) invalid += v < params_.least_valid, valid += static_cast<double>(v);
-    }
+    const Summary& s = summary();
     const double number = params_.storage == kStorageFloat16 ? 2 : 4;
     std::vector<std::pair<std::string, double>> list = {
         {"receivers", clusters.receivers()},
@@ -183,12 +178,12 @@ class Srp final : public Technique {
         {"clusters", static_cast<double>(clusters.clusters.size())},
         {"clusters_from_disk", static_cast<double>(precomputation_->clustersFromDisk())},
         {"rays_cast", static_cast<double>(precomputation_->raysCast())},
-        {"invalid_receivers", invalid},
-        {"valid_samples", clusters.receivers() > 0 ? valid / clusters.receivers() : 0},
-        {"most_columns", columns},
-        {"light_vectors", vectors},
-        {"uncompressed_bytes", uncompressed * number},
-        {"cpca_relative_error", total > 0 ? std::sqrt(discarded / total) : 0},
+        {"invalid_receivers", s.invalid},
+        {"valid_samples", clusters.receivers() > 0 ? s.valid / clusters.receivers() : 0},
+        {"most_columns", s.mostColumns},
+        {"light_vectors", s.vectors},
+        {"uncompressed_bytes", s.numbers * number},
+        {"cpca_relative_error", s.total > 0 ? std::sqrt(s.discarded / s.total) : 0},
     };
     const ProbeSamples::Counts& seen = samples_->counts();
     list.push_back({"probe_rays_into_the_open", static_cast<double>(seen.misses)});
@@ -196,7 +191,7 @@ class Srp final : public Technique {
     list.push_back({"probe_rays_without_texel", static_cast<double>(seen.withoutTexel)});
     if (!runtime_) return list;
     list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes())});
-    list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? uncompressed * number / static_cast<double>(runtime_->matrixBytes()) : 0});
+    list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? s.numbers * number / static_cast<double>(runtime_->matrixBytes()) : 0});
     const SrpRuntime::Counts counts = runtime_->counts();
     list.push_back({"negative_receivers", counts.negative});
     list.push_back({"lightmap_nan_inf", counts.nonFinite});
@@ -220,7 +215,28 @@ class Srp final : public Technique {
   }
 
  private:
+  /// Sums over the transport that is there. Asked for in every frame, so kept until there is more of it.
+  struct Summary {
+    size_t clusters = 0;
+    float leastValid = 0;
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0;  ///< numbers: of the matrices, uncompressed
+  };
+  const Summary& summary() const {
+    const std::vector<ClusterTransport>& transport = precomputation_->transport();
+    if (summary_.clusters == transport.size() && summary_.leastValid == params_.least_valid) return summary_;
+    Summary s;
+    s.clusters = transport.size(), s.leastValid = params_.least_valid;
+    for (const ClusterTransport& t : transport) {
+      s.numbers += static_cast<double>(t.receivers) * static_cast<double>(t.columns);
+      s.total += t.total, s.discarded += t.discarded;
+      s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));
+      for (float v : t.valid) s.invalid += v < params_.least_valid, s.valid += static_cast<double>(v);
+    }
+    return summary_ = s;
+  }
+
   void drop() {
+    summary_ = {};
     runtime_.reset();
     precomputation_.reset();
     samples_.reset();
@@ -260,6 +276,7 @@ class Srp final : public Technique {
   std::unique_ptr<Precomputation> precomputation_;
   std::unique_ptr<SrpRuntime> runtime_;
   GpuImage result_, texels_, directImage_, clusterView_, validView_;
+  mutable Summary summary_;
   double albedo_ = 0;
   uint32_t frames_ = 0, sinceChange_ = 0;  ///< since the last reset or change of light; since that, or a change of camera
 };

@@ -5,12 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
 #include "engine/core/byte_stream.h"
+#include "engine/core/cache_room.h"
 #include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
@@ -44,23 +44,6 @@ ClusterTransport decode(std::string_view bytes) {
   return c;
 }
 
-/// Oldest first, until the rest is small enough.
-void removeOldest(const fs::path& folder, const fs::path& but) {
-  std::vector<std::pair<fs::file_time_type, fs::path>> files;
-  uint64_t bytes = 0;
-  std::error_code ec;
-  for (const auto& e : fs::directory_iterator(folder, ec)) {
-    bytes += e.file_size(ec);
-    if (e.path() != but) files.push_back({e.last_write_time(ec), e.path()});
-  }
-  std::sort(files.begin(), files.end());
-  for (const auto& [time, file] : files) {
-    if (bytes <= kMostStoredBytes) return;
-    bytes -= std::min(bytes, fs::file_size(file, ec));
-    fs::remove(file, ec);
-  }
-}
-
 [[noreturn]] void fail(const fs::path& file, const char* what) { throw Error(ErrorKind::Run, file.string() + ": " + what + ": " + std::strerror(errno)); }
 
 }  // namespace
@@ -76,7 +59,7 @@ bool TransportStore::lock() {
   if (descriptor_ >= 0 || refused_) return descriptor_ >= 0;
   std::error_code ec;
   fs::create_directories(file_.parent_path(), ec);
-  removeOldest(file_.parent_path(), file_);
+  makeRoom(file_, kMostStoredBytes);
   descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail(file_, "can't be opened");
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;

@@ -26,6 +26,6 @@ void main() {
   }
   float scale = sum > 0.0 ? 1.0 / sum : kSrpInvalid;
   Hit hit = hits[r];
-  if (hit.primitive != kMiss && dot(tableNormal(texelFetch(triangles, int(2u * hit.primitive + 1u))), rays[r].direction) >= 0.0) scale = kSrpDark;
+  if (hit.primitive != kMiss && hitsBack(texelFetch(triangles, int(2u * hit.primitive + 1u)), rays[r].direction)) scale = kSrpDark;
   scales[r] = scale;
 }

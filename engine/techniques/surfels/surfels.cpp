@@ -1,4 +1,5 @@
 // Surfel global illumination (Ekberg 2022, chapters 3 and 4), as a technique: parameters, cache and views.
+#include "engine/passes/pixel_image.h"
 #include "engine/techniques/surfels/cache.h"
 #include "engine/techniques/surfels/views.h"
 
@@ -47,11 +48,11 @@ class Surfels final : public Technique {
 
   IndirectLight record(FrameGraph& graph, const FrameInputs& in) override {
     if (!cache_) return {};
-    result_ = sized(result_, "surfels: irradiance", in.gbuffer);
+    result_ = pixelImage(*device_, result_, "surfels: irradiance", in.gbuffer);
     cache_->record(graph, in, params_, result_);
     for (const View& v : kViews)
       if (in.view == v.id) {
-        view_ = sized(view_, "surfels: view", in.gbuffer);
+        view_ = pixelImage(*device_, view_, "surfels: view", in.gbuffer);
         cache_->recordView(graph, in, params_, result_, view_, v.what);
       }
     IndirectLight light;
@@ -82,11 +83,6 @@ class Surfels final : public Technique {
   PickReport pick(const PickedPoint& point) override { return cache_ ? cache_->pick(point, params_) : PickReport{}; }
 
  private:
-  GpuImage sized(const GpuImage& image, const char* name, const GBuffer& g) const {
-    if (image && image.width() == g.width && image.height() == g.height) return image;
-    return device_->image(name, {g.width, g.height, Format::RGBA32F});
-  }
-
   SurfelsParams params_;
   Device* device_ = nullptr;
   std::unique_ptr<SurfelCache> cache_;
