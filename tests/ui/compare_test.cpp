@@ -6,16 +6,13 @@
 #include <QPushButton>
 #include <QSignalSpy>
 #include <QSlider>
-#include <QTemporaryDir>
 #include <QTest>
 #include <QWheelEvent>
 #include <cmath>
 
 #include "engine/metrics/metrics.h"
-#include "fake_link.h"
+#include "fake_window.h"
 #include "ui/compare_dock.h"
-#include "ui/main_window.h"
-#include "ui/settings.h"
 #include "ui/viewport.h"
 
 namespace {
@@ -32,13 +29,9 @@ std::shared_ptr<const Image> plain(vec3 colour, int width = kWidth, int height =
   return image;
 }
 
-class CompareTest : public QObject {
+class CompareTest : public FakeWindowTest {
   Q_OBJECT
 
-  QTemporaryDir folder_;
-  std::unique_ptr<FakeLink> link_;
-  std::unique_ptr<Settings> settings_;
-  std::unique_ptr<MainWindow> window_;
   uint64_t number_ = 0;
 
   Compare& compare() { return window_->compare(); }
@@ -85,18 +78,13 @@ class CompareTest : public QObject {
 
  private slots:
   void init() {
-    QFile::remove(folder_.filePath("settings.ini"));
-    link_ = std::make_unique<FakeLink>();
-    settings_ = std::make_unique<Settings>(folder_.filePath("settings.ini"));
-    window_ = std::make_unique<MainWindow>(*link_, *settings_, QString());
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    openWindow();
     Preset p;
     p.technique = "none";
     emit link_->opened(p, {});
     publish({});
   }
-  void cleanup() { window_.reset(), settings_.reset(), link_.reset(); }
+  void cleanup() { closeWindow(); }
 
   void theEngineIsAskedForWhatIsComparedAndNoMore() {
     QVERIFY(link_->wanted.empty());

@@ -6,16 +6,13 @@
 #include <QPushButton>
 #include <QSpinBox>
 #include <QTableWidget>
-#include <QTemporaryDir>
 #include <QTest>
 #include <cmath>
 
-#include "fake_link.h"
+#include "fake_window.h"
 #include "ui/error_dock.h"
 #include "ui/inspector.h"
-#include "ui/main_window.h"
 #include "ui/regions_editor.h"
-#include "ui/settings.h"
 #include "ui/viewport.h"
 
 namespace {
@@ -33,13 +30,9 @@ std::shared_ptr<const Image> places(float blue) {
   return image;
 }
 
-class InspectorTest : public QObject {
+class InspectorTest : public FakeWindowTest {
   Q_OBJECT
 
-  QTemporaryDir folder_;
-  std::unique_ptr<FakeLink> link_;
-  std::unique_ptr<Settings> settings_;
-  std::unique_ptr<MainWindow> window_;
   std::shared_ptr<Scene> scene_;
   uint64_t number_ = 0;
 
@@ -78,24 +71,19 @@ class InspectorTest : public QObject {
 
  private slots:
   void init() {
-    QFile::remove(folder_.filePath("settings.ini"));
     scene_ = std::make_shared<Scene>();
     scene_->name = "box", scene_->hash = "1";
     scene_->cameras.resize(1);
     scene_->regions = {{"ceiling", 0, 0, 1, 0.25f}};
     scene_->bounds.extend(vec3(-1)), scene_->bounds.extend(vec3(1));
-    link_ = std::make_unique<FakeLink>();
-    settings_ = std::make_unique<Settings>(folder_.filePath("settings.ini"));
-    window_ = std::make_unique<MainWindow>(*link_, *settings_, QString());
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    openWindow();
     Preset p;
     p.technique = "none";
     p.width = kWidth, p.height = kHeight;
     emit link_->opened(p, {});
     publish();
   }
-  void cleanup() { window_.reset(), settings_.reset(), link_.reset(); }
+  void cleanup() { closeWindow(); }
 
   void aRightClickShowsAllThreePicturesValues() {
     QVERIFY(link_->wanted.empty());  // nothing is copied before someone asks

@@ -5,15 +5,12 @@
 #include <QMouseEvent>
 #include <QPushButton>
 #include <QTableWidget>
-#include <QTemporaryDir>
 #include <QTest>
 #include <cmath>
 
-#include "fake_link.h"
-#include "ui/main_window.h"
+#include "fake_window.h"
 #include "ui/probe_tool.h"
 #include "ui/probes_panel.h"
-#include "ui/settings.h"
 #include "ui/viewport.h"
 
 namespace {
@@ -23,13 +20,9 @@ using namespace hl::ui;
 
 constexpr int kWidth = 160, kHeight = 90;
 
-class ProbesTest : public QObject {
+class ProbesTest : public FakeWindowTest {
   Q_OBJECT
 
-  QTemporaryDir folder_;
-  std::unique_ptr<FakeLink> link_;
-  std::unique_ptr<Settings> settings_;
-  std::unique_ptr<MainWindow> window_;
   std::shared_ptr<Scene> scene_;
   std::shared_ptr<PlacedProbes> placed_;
   uint64_t number_ = 0;
@@ -88,18 +81,13 @@ class ProbesTest : public QObject {
 
  private slots:
   void init() {
-    QFile::remove(folder_.filePath("settings.ini"));
     camera_.position = vec3(0, 0, 4), camera_.target = vec3(0.0f), camera_.verticalFov = 0.8f;
     scene_ = std::make_shared<Scene>();
     scene_->name = "box", scene_->hash = "1";
     scene_->cameras = {camera_};
     scene_->probes = {{0, 0.5f, 0}};
     scene_->bounds.extend(vec3(-1)), scene_->bounds.extend(vec3(1));
-    link_ = std::make_unique<FakeLink>();
-    settings_ = std::make_unique<Settings>(folder_.filePath("settings.ini"));
-    window_ = std::make_unique<MainWindow>(*link_, *settings_, QString());
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    openWindow();
     Preset p;
     p.technique = "none";
     p.width = kWidth, p.height = kHeight;
@@ -107,7 +95,7 @@ class ProbesTest : public QObject {
     publish();
     link_->takeCalls();
   }
-  void cleanup() { window_.reset(), settings_.reset(), link_.reset(); }
+  void cleanup() { closeWindow(); }
 
   void countAndCoverageAreShown() {
     QVERIFY2(facts().startsWith("2 probes see 20.0 %"), qPrintable(facts()));
