@@ -74,7 +74,7 @@ CameraGridPlan planCameraGrid(const Bounds& bounds, vec3 eye, float least, float
 }
 
 SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels, bool camera)
-    : device_(device), plan_(plan), camera_(camera), room_(maxSurfels * kMostCellsOfSurfel) {
+    : device_(device), plan_(plan), camera_(camera), sorting_(device.isCpu() ? kSortingOnCpu : kSortingOnGpu), room_(maxSurfels * kMostCellsOfSurfel) {
   const uint64_t bytes = uint64_t{maxSurfels} * kMostCellsOfSurfel * sizeof(uint32_t);
   if (bytes > device.maxStorageBufferBytes())
     throw Error(ErrorKind::TooLarge, "surfels: lists of cells for " + std::to_string(maxSurfels) + " surfels take " + std::to_string(bytes) +
@@ -127,9 +127,11 @@ void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared
       .bind("cellOffsets", offsets_, Access::Read)
       .bind("cellEntries", entries_, Access::ReadWrite)
       .bind("totals", totals, Access::ReadWrite)
+      .specialize("kListsOfGroup", sorting_.listsOfGroup)
+      .specialize("kAlone", sorting_.alone)
       .uniform("frame", frame)
       .uniform("surfels", params)
-      .dispatchThreads(frame.lists);
+      .dispatch((frame.lists + sorting_.listsOfGroup - 1) / sorting_.listsOfGroup);
 }
 
 }  // namespace hl

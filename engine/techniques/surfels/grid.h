@@ -32,6 +32,17 @@ CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDis
 /// `edge` [m] is enlarged where it would make more than kMostCells.
 GridPlan planGrid(const Bounds&, float edge);
 
+/// How the lists are sorted: specialisation of sort_cells.comp. The result is the same.
+struct SurfelSorting {
+  uint32_t listsOfGroup;  ///< lists a work group, at most 128
+  uint32_t alone;         ///< entries up to which one invocation sorts a list
+};
+/// Full cells lie together, so a group gets few; most are empty, so not one.
+inline constexpr SurfelSorting kSortingOnGpu{16, 8};
+/// Invocations run a few at a time and nearly in their order, which leaves lists nearly sorted; barriers cost much. lavapipe ends an invocation's loops after 65535 rounds in
+/// all, with what has been done by then: a list of this length takes less in any order.
+inline constexpr SurfelSorting kSortingOnCpu{128, 512};
+
 class SurfelGrid {
  public:
   /// @throws Error(TooLarge) where a buffer of the device can't hold the lists
@@ -56,6 +67,7 @@ class SurfelGrid {
   Device& device_;
   GridPlan plan_;
   bool camera_ = false;
+  SurfelSorting sorting_;
   uint32_t room_ = 0;
   Buffer counts_, offsets_, entries_;
   Buffer noTiles_;  ///< bound in place of depths of tiles that there are none of

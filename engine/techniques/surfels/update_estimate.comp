@@ -33,12 +33,12 @@ float windowGrowth(float samples) {
 /// The new mean, with what one frame's rays brought on average.
 void addSample(inout SurfelState s, vec3 value) {
   const bool first = s.samples <= 0.0;
-  if (surfels.firefly_limit > 0.0 && !first) {
-    const vec3 limit = s.shortMean + surfels.firefly_limit * sqrt(s.variance) + kLeastDeviation * s.mean;
-    if (any(greaterThan(value, limit)) && s.samples > kNewborn) {
-      countOne(kCountFireflies);
-      value = min(value, limit);
-    }
+  if (surfels.firefly_limit > 0.0 && s.samples > kNewborn) {
+    // Where nothing has varied yet, no deviation is known: a limit of 0 would keep what has seen only black so far black for ever.
+    const vec3 cut = min(value, s.shortMean + surfels.firefly_limit * sqrt(s.variance) + kLeastDeviation * s.mean);
+    const vec3 kept = mix(value, cut, greaterThan(s.variance, vec3(0.0)));
+    if (kept != value) countOne(kCountFireflies);
+    value = kept;
   }
   if (first) {
     s.mean = s.shortMean = value;
