@@ -61,6 +61,7 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
 
 void SurfelCache::restart() {
   frame_ = harvested_ = 0;
+  age_ = 0;
   last_ = {};
   sums_ = {};
   raysCast_ = 0;
@@ -133,6 +134,7 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.frame = frame_;
   f.seed = in.seed;
   f.lightChanged = in.lightsChanged ? 1 : 0;
+  f.age = 1 + (in.lightsChanged && params.change_samples > 0 ? std::min(age_, params.change_samples) : age_);
   f.surfels = last_.highWater;
   f.maxSurfels = maxSurfels_;
   const double inView = std::min(last_.inView, last_.alive);

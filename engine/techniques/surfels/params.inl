@@ -51,12 +51,12 @@ PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
 PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How much inconsistency (short mean against long mean, in deviations) adds to a surfel's rays.")
 PARAM_FLOAT(young_rays, 16, 0, 256, 0, 64, Linear, Live, "rays",
-            "Rays beyond ray_budget for a surfel in view, times the share that a new sample has in its estimate: what a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
+            "Rays beyond ray_budget for a surfel in view at its first sample, fewer with each: n / (n + samples) of them, n being window_growth at first. What a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Rebuild, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
 PARAM_FLOAT(window_growth, 12, 0, 256, 1, 64, Linear, Live, "parts",
-            "The long mean reaches back over the latest of so many parts of a surfel's samples at first, so that early ones without all bounces are forgotten; 0: min_blend alone (the thesis).")
+            "The long mean reaches back over the latest of so many parts of the cache's life at first, so that early samples without all bounces are forgotten; a surfel younger than that keeps all. 0: min_blend alone (the thesis).")
 PARAM_FLOAT(window_settle, 1024, 1, 1e6, 16, 4096, Log, Live, "samples", "After so many samples the number of parts has halved; it falls to 2.")
 PARAM_FLOAT(min_blend, 0.00048828125, 1e-6, 1, 1e-4, 0.1, Log, Live, "share", "Least share of a new sample in the long mean (1/256 in the thesis).")
 PARAM_FLOAT(change_samples, 16, 0, 65536, 0, 256, Linear, Live, "samples",

@@ -122,6 +122,7 @@ struct SurfelFrame {
   uint frozen;        ///< 1: nothing is placed or removed
   uint justFrozen;    ///< 1: since this frame
   uint lightChanged;  ///< 1: lights are not what they were
+  float age;          ///< frames since the cache began, or since lights changed as many as change_samples
 };
 
 /// Nearer to the eye than this share of the largest radius no surfel shrinks.
