@@ -92,7 +92,6 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
     p.parameters["surfels.radius_pixels"] = "2.5";
     p.parameters["surfels.young_rays"] = "0";  // rays for what a moving camera comes to see
     p.parameters["surfels.ray_budget"] = "6";
-    p.parameters["surfels.young_rays"] = "0";  // more rays beyond the budget than within it, in so few frames
     p.parameters["surfels.window_growth"] = "64";
     p.parameters["surfels.settle_frames"] = "128";
   }

@@ -21,13 +21,13 @@ inline constexpr uint32_t kMostCells = 1u << 18;
 inline constexpr uint32_t kMostCellsOfSurfel = 27;
 /// The camera's grid of one frame (grid_cells.h).
 struct CameraGridPlan {
-  float inner = 1, edge = 1, perLog = 1;  ///< SurfelFrame::gridInner, gridEdge, gridPerLog
+  shared::GridShape shape{1, 1, 1, 1, 1};
   std::array<shared::GridRegion, shared::kGridRegions> regions{};
   uint32_t cells = 0;
 };
-/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` [m]. They are enlarged where there would be
-/// more than kMostCells.
-CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance);
+/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` and at most `most` [m]; of once that, as in
+/// the uniform grid, from where it is `most`. They are enlarged where there would be more than kMostCells.
+CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance, float most);
 
 /// `edge` [m] is enlarged where it would make more than kMostCells.
 GridPlan planGrid(const Bounds&, float edge);
