@@ -77,6 +77,7 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
     p.parameters["probes.spacing"] = "0.25";
     p.parameters["srp.sh_order"] = "6";
     p.parameters["srp.receiver_rays"] = "256";
+    p.parameters["srp.probe_rays"] = "256";
     p.parameters["srp.cluster_size"] = "128";  // so few receivers would otherwise be two clusters of half the room each
     p.parameters["srp.cache"] = "false";
   }
@@ -89,11 +90,22 @@ inline Preset smallPreset(const std::string& scene, const std::string& technique
   if (technique == "surfels") {
     p.parameters["surfels.max_surfels"] = "4096";
     p.parameters["surfels.radius_pixels"] = "2.5";
-    p.parameters["surfels.place_chance"] = "1";
+    p.parameters["surfels.young_rays"] = "0";  // rays for what a moving camera comes to see
     p.parameters["surfels.ray_budget"] = "6";
     p.parameters["surfels.window_growth"] = "64";
     p.parameters["surfels.settle_frames"] = "128";
   }
+  return p;
+}
+
+/// For what holds at any quality (same bits, finite, linear in light): the same paths with fewer samples.
+inline Preset quickPreset(const std::string& scene, const std::string& technique) {
+  Preset p = smallPreset(scene, technique);
+  if (technique == "radiosity" || technique == "srp") p.parameters["lightmap.resolution"] = "32";
+  if (technique == "radiosity") p.parameters["radiosity.samples"] = "64";
+  if (technique == "srp") p.parameters["srp.sh_order"] = "3", p.parameters["srp.receiver_rays"] = "64", p.parameters["srp.cluster_size"] = "64";
+  if (technique == "ddgi") p.parameters["ddgi.rays"] = "32", p.parameters["ddgi.hysteresis"] = "0.8";
+  if (technique == "surfels") p.parameters["surfels.ray_budget"] = "2", p.parameters["surfels.settle_frames"] = "32";
   return p;
 }
 

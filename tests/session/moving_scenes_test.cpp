@@ -15,10 +15,9 @@ class EveryTechniqueMoving : public SessionTest, public ::testing::WithParamInte
     p.width = 32, p.height = 24;
     p.parameters["direct.samples"] = "4";
     if (GetParam() == "radiosity") p.parameters["radiosity.samples"] = "64", p.parameters["lightmap.resolution"] = "128";
-    // A texel that lies across a wall's foot has the light of both sides: smaller ones, as with radiosity.
-    if (GetParam() == "srp") p.parameters["srp.receiver_rays"] = "32", p.parameters["lightmap.resolution"] = "128";
+    if (GetParam() == "srp") p.parameters["srp.receiver_rays"] = "32", p.parameters["srp.sh_order"] = "4", p.parameters["lightmap.resolution"] = "64";
     if (GetParam() == "ddgi") p.parameters["ddgi.rays"] = "64", p.parameters["ddgi.hysteresis"] = "0.9", p.parameters["ddgi.spacing"] = "0.125";
-    if (GetParam() == "surfels") p.parameters["surfels.ray_budget"] = "2", p.parameters["surfels.settle_frames"] = "64";
+    if (GetParam() == "surfels") p.parameters["surfels.ray_budget"] = "2", p.parameters["surfels.settle_frames"] = "64", p.parameters.erase("surfels.young_rays");
     return p;
   }
   static float brightness(Session& session) {
@@ -64,6 +63,8 @@ TEST_P(EveryTechniqueMoving, NothingLeaksThroughADoorOrAThinWall) {
     Preset p = preset(scene);
     p.cameraName = "dark";
     if (GetParam() == "ddgi") p.parameters["ddgi.rays"] = "32";
+    // A texel that lies across a wall's foot has the light of both sides: smaller ones, as with radiosity.
+    if (GetParam() == "srp") p.parameters["lightmap.resolution"] = "128";
     if (GetParam() == "srp" && std::string(scene) == "thin_wall_tunnel") p.parameters["probes.spacing"] = "0.08";  // 0.25 of its length leaves no place in a half
     session->load(p);
     session->settle();

@@ -66,7 +66,7 @@ TEST_P(EveryTechnique, SamePresetSameBits) {
   std::string hashes[2];
   for (std::string& hash : hashes) {
     auto session = makeSession();
-    const Image image = settledIndirect(*session, smallPreset("cornell_box", GetParam()));
+    const Image image = settledIndirect(*session, quickPreset("cornell_box", GetParam()));
     hash = Hasher().array(image.data).hex();
   }
   EXPECT_EQ(hashes[0], hashes[1]);
@@ -74,7 +74,7 @@ TEST_P(EveryTechnique, SamePresetSameBits) {
 
 TEST_P(EveryTechnique, RoundTripThroughAPresetFile) {
   auto session = makeSession();
-  Preset preset = smallPreset("cornell_box", GetParam());
+  Preset preset = quickPreset("cornell_box", GetParam());
   preset.seed = 7;
   session->load(preset);
   Camera moved = session->scene().cameras.front();
@@ -109,7 +109,7 @@ TEST_P(EveryTechnique, NearTheMatchedReference) {
 TEST_P(EveryTechnique, TwiceTheLightTwiceTheResult) {
   auto session = makeSession();
   const std::string dim = folder.write("dim.json", room(2, vec3(0), "", 0.6f, 10)), bright = folder.write("bright.json", room(2, vec3(0), "", 0.6f, 20));
-  const Image one = settledIndirect(*session, smallPreset(dim, GetParam())), two = settledIndirect(*session, smallPreset(bright, GetParam()));
+  const Image one = settledIndirect(*session, quickPreset(dim, GetParam())), two = settledIndirect(*session, quickPreset(bright, GetParam()));
   for (size_t i = 0; i < one.data.size(); ++i) ASSERT_NEAR(two.data[i], 2 * one.data[i], 1e-4f * std::abs(two.data[i]) + 1e-6f);
 }
 
@@ -129,11 +129,11 @@ TEST_P(EveryTechnique, ScaleAndPlaceDoNotMatter) {
 
 TEST_P(EveryTechnique, DuplicateAndEmptyTrianglesChangeNothing) {
   auto session = makeSession();
-  const float expected = meanOf(settledIndirect(*session, smallPreset(folder.write("plain.json", room(2, vec3(0))), GetParam()))).y;
+  const float expected = meanOf(settledIndirect(*session, quickPreset(folder.write("plain.json", room(2, vec3(0))), GetParam()))).y;
   // A second floor in the same plane, and a quad of no area.
   const std::string extra = R"(, {"type": "quad", "material": "wall", "corners": [[-1, -1, 1], [1, -1, 1], [1, -1, -1], [-1, -1, -1]]},
     {"type": "quad", "material": "wall", "corners": [[0, 0, 0], [0.5, 0, 0], [0.5, 0, 0], [0, 0, 0]]})";
-  const Image doubled = settledIndirect(*session, smallPreset(folder.write("doubled.json", room(2, vec3(0), extra.c_str())), GetParam()));
+  const Image doubled = settledIndirect(*session, quickPreset(folder.write("doubled.json", room(2, vec3(0), extra.c_str())), GetParam()));
   expectFinite(doubled);
   // Two coplanar floors share the hits between them: energy stays within what the two lightmaps' texels resolve.
   EXPECT_NEAR(meanOf(doubled).y, expected, 0.02f * expected);
@@ -142,14 +142,14 @@ TEST_P(EveryTechnique, DuplicateAndEmptyTrianglesChangeNothing) {
 TEST_P(EveryTechnique, ExtremeAlbedosAndLights) {
   auto session = makeSession();
   for (const float albedo : {0.0f, 0.99f}) {
-    const Image image = settledIndirect(*session, smallPreset(folder.write("albedo.json", room(2, vec3(0), "", albedo)), GetParam()));
+    const Image image = settledIndirect(*session, quickPreset(folder.write("albedo.json", room(2, vec3(0), "", albedo)), GetParam()));
     expectFinite(image);
   }
   // A light 1e5 times brighter than the rest.
   const std::string beam = R"(, {"type": "quad", "material": "beam", "corners": [[-0.9, -0.5, 0.99], [-0.8, -0.5, 0.99], [-0.8, -0.4, 0.99], [-0.9, -0.4, 0.99]]})";
   std::string scene = room(2, vec3(0), beam.c_str());
   scene.replace(scene.find("\"lamp\": {"), 9, R"("beam": {"albedo": [0, 0, 0], "emission": [1e6, 1e6, 1e6]}, "lamp": {)");
-  expectFinite(settledIndirect(*session, smallPreset(folder.write("beam.json", scene), GetParam())));
+  expectFinite(settledIndirect(*session, quickPreset(folder.write("beam.json", scene), GetParam())));
 }
 
 TEST_P(EveryTechnique, ScenesWithAlmostNothing) {
@@ -163,7 +163,7 @@ TEST_P(EveryTechnique, ScenesWithAlmostNothing) {
       R"({"version": 1, "mesh": {"file": "one.obj"}, "sky": [0.5, 0.5, 0.5], )" + camera + "}",
   };
   for (const std::string& text : scenes) {
-    const Image image = settledIndirect(*session, smallPreset(folder.write("bare.json", text), GetParam()));
+    const Image image = settledIndirect(*session, quickPreset(folder.write("bare.json", text), GetParam()));
     expectFinite(image);
     expectFinite(session->image("final"));
   }
