@@ -65,7 +65,7 @@ TEST_F(SrpSurfaces, WhatNoProbeSeesIsReadOffTheLightmap) {
   EXPECT_NEAR(off("surface", 0), 0, 0.04);
   EXPECT_GT(h.counter("lumels_read"), 1);
   // Units that are smaller choose the same lumels.
-  h.set("srp.precompute_memory_mb", "4");
+  h.set("srp.precompute_memory_mb", "2");
   const uint64_t units = h.technique->work().total;
   off("surface", 1);
   EXPECT_GT(h.technique->work().total, units);

@@ -86,66 +86,27 @@ struct Asked {
   float weight;
 };
 
-/// Distance, and which probe; the nearest first where `sorted`.
-using ByDistance = std::vector<std::pair<float, uint32_t>>;
-
-ByDistance probesByDistance(vec3 at, std::span<const vec3> probes, size_t sorted) {
-  ByDistance list(probes.size());
-  for (uint32_t i = 0; i < probes.size(); ++i) list[i] = {glm::distance(at, probes[i]), i};
-  sorted = std::min(sorted, list.size());
-  std::partial_sort(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(sorted), list.end());
-  return list;
-}
-
-std::vector<Asked> weighed(const ByDistance& probes, size_t count, float radius) {
+std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpParams& params, float side) {
+  std::vector<std::pair<float, uint32_t>> byDistance(probes.size());
+  for (uint32_t i = 0; i < probes.size(); ++i) byDistance[i] = {glm::distance(at, probes[i]), i};
+  float radius = params.radius * side;
+  size_t count = byDistance.size();
+  if (params.support == kSupportReceiverRadius) {
+    const auto k = static_cast<size_t>(params.k);
+    const size_t sorted = std::min(k + 1, byDistance.size());
+    std::partial_sort(byDistance.begin(), byDistance.begin() + static_cast<std::ptrdiff_t>(sorted), byDistance.end());
+    // To the first that is left out, so that weights end at 0; where all are asked, to twice the farthest. Probes that are all equally far keep a little of it.
+    count = std::min(k, byDistance.size());
+    constexpr float kLeastReach = 1.01f;
+    if (count > 0) radius = byDistance.size() > k ? std::max(byDistance[k].first, kLeastReach * byDistance[count - 1].first) : 2 * byDistance[count - 1].first;
+  }
   std::vector<Asked> asked;
   for (size_t i = 0; i < count; ++i) {
     // At a radius of 0 the probe is where the receiver is.
-    const float w = radius > 0 ? probeWeight(probes[i].first / radius) : 1.0f;
-    if (w > 0) asked.push_back({probes[i].second, w});
+    const float w = radius > 0 ? probeWeight(byDistance[i].first / radius) : 1.0f;
+    if (w > 0) asked.push_back({byDistance[i].second, w});
   }
   std::sort(asked.begin(), asked.end(), [](const Asked& a, const Asked& b) { return a.probe < b.probe; });
-  return asked;
-}
-
-/// The first k of those that are sorted, to the first that is left out, so that weights end at 0; where all are asked, to twice the farthest. Probes that are all
-/// equally far keep a little of it.
-std::vector<Asked> nearestProbes(const ByDistance& sorted, size_t k) {
-  constexpr float kLeastReach = 1.01f;
-  const size_t count = std::min(k, sorted.size());
-  if (count == 0) return {};
-  const float last = sorted[count - 1].first;
-  return weighed(sorted, count, sorted.size() > k ? std::max(sorted[k].first, kLeastReach * last) : 2 * last);
-}
-
-/// Of the receivers of one cluster, with one batch of rays.
-std::vector<std::vector<Asked>> visibleProbes(const Atlas& atlas, Range lumels, std::span<const vec3> probes, size_t k, float offset, const CastShadowRays& cast) {
-  std::vector<ByDistance> candidates;
-  std::vector<shared::Ray> rays;
-  for (uint32_t l : lumels) {
-    const Lumel& lumel = atlas.lumels[l];
-    ByDistance near = probesByDistance(lumel.position, probes, kVisibleCandidates * k);
-    near.resize(std::min(kVisibleCandidates * k, near.size()));
-    const vec3 from = lumel.position + offset * lumel.normal;
-    for (const auto& [distance, probe] : near) {
-      const vec3 way = probes[probe] - from;
-      // Behind the receiver's surface: seen by nothing, and nothing to cast.
-      const bool front = glm::dot(way, lumel.normal) > 0;
-      rays.push_back({from, front ? 0.0f : 1.0f, way, front ? 1.0f : 0.0f});
-    }
-    candidates.push_back(std::move(near));
-  }
-  const std::vector<uint32_t> blocked = cast(rays);
-  std::vector<std::vector<Asked>> asked;
-  size_t ray = 0;
-  for (ByDistance& near : candidates) {
-    for (auto& [distance, probe] : near) {
-      if (rays[ray].tMax < rays[ray].tMin || blocked[ray] != 0) distance *= kUnseenFarther;
-      ++ray;
-    }
-    std::sort(near.begin(), near.end());
-    asked.push_back(nearestProbes(near, k));
-  }
   return asked;
 }
 
@@ -153,8 +114,7 @@ std::vector<std::vector<Asked>> visibleProbes(const Atlas& atlas, Range lumels, 
 
 float probeWeight(float t) { return t < 1 ? 1 + t * t * (2 * t - 3) : 0.0f; }
 
-ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients, Progress& progress, float offset,
-                              const CastShadowRays& cast) {
+ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients, Progress& progress) {
   ReceiverClusters result;
   result.lumelOfReceiver.resize(atlas.lumels.size());
   std::iota(result.lumelOfReceiver.begin(), result.lumelOfReceiver.end(), 0u);
@@ -169,19 +129,11 @@ ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, 
     c.firstReceiver = static_cast<uint32_t>(range.data() - result.lumelOfReceiver.data());
     c.receivers = static_cast<uint32_t>(range.size());
     std::vector<std::vector<Asked>> asked;
-    const auto k = static_cast<size_t>(params.k);
-    if (params.support == kSupportVisible) {
-      asked = visibleProbes(atlas, range, probes, k, offset, cast);
-    } else {
-      for (uint32_t l : range) {
-        const vec3 at = atlas.lumels[l].position;
-        asked.push_back(params.support == kSupportReceiverRadius ? nearestProbes(probesByDistance(at, probes, k + 1), k)
-                                                                 : weighed(probesByDistance(at, probes, 0), probes.size(), params.radius * side));
-      }
-    }
-    for (const std::vector<Asked>& list : asked) {
-      c.slots = std::max(c.slots, static_cast<uint32_t>(list.size()));
-      for (const Asked& a : list) c.probes.push_back(a.probe);
+    asked.reserve(range.size());
+    for (uint32_t l : range) {
+      asked.push_back(askedProbes(atlas.lumels[l].position, probes, params, side));
+      c.slots = std::max(c.slots, static_cast<uint32_t>(asked.back().size()));
+      for (const Asked& a : asked.back()) c.probes.push_back(a.probe);
     }
     std::sort(c.probes.begin(), c.probes.end());
     c.probes.erase(std::unique(c.probes.begin(), c.probes.end()), c.probes.end());

@@ -2,7 +2,6 @@
 PARAM_ENUM_BEGIN(SrpSupport)
 PARAM_ENUM_VALUE(kSupportProbeRadius, 0, "probe_radius", "All probes nearer than a radius that is the same everywhere (the thesis).")
 PARAM_ENUM_VALUE(kSupportReceiverRadius, 1, "receiver_radius", "The nearest probes, up to a number: each receiver has a radius of its own.")
-PARAM_ENUM_VALUE(kSupportVisible, 2, "visible", "The nearest probes, up to a number, where those that do not see the receiver count as farther away than they are.")
 PARAM_ENUM_END(SrpSupport)
 
 PARAM_ENUM_BEGIN(SrpCompression)
@@ -46,7 +45,7 @@ PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
           "Rays a probe casts once. What they hit is looked up in the lightmap in every frame.")
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
-PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius and visible: probes a receiver asks at most.")
+PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")
 PARAM_ENUM(probe_share, SrpProbeShare, kShareSolidAngle, Rebuild, "How those probes that see what a receiver's ray hit share in it.")
 PARAM_ENUM(compression, SrpCompression, kCompressionCpca, Rebuild, "How transport vectors are kept.")
 PARAM_INT(pca_vectors, 32, 1, 128, 4, 128, Log, Rebuild, "vectors", "cpca: vectors a cluster keeps at most.")

@@ -32,18 +32,7 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
   progress.begin("receivers and their probes", 1);
-  FrameGraph graph(gpu.device, gpu.shaders);
-  const auto cast = [&](std::span<const shared::Ray> rays) {
-    std::vector<uint32_t> blocked(rays.size());
-    if (rays.empty()) return blocked;
-    Buffer in = device_.buffer("srp: rays to probes", rays.size_bytes(), TexelFormat::RGBA32F), out = device_.buffer("srp: probes hidden", 4 * rays.size());
-    device_.upload(in, rays.data(), rays.size_bytes());
-    scene.tracer.record(graph, "srp: rays to probes", in, out, static_cast<uint32_t>(rays.size()), Query::Any);
-    graph.execute();
-    device_.download(out, blocked.data(), 4 * blocked.size());
-    return blocked;
-  };
-  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress, offset_, cast);
+  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
   progress.advance();
   allocate(scene);
   takeUp(params.cache ? std::make_shared<TransportStore>(key(scene)) : nullptr);
