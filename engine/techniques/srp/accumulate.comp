@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 layout(scalar) readonly buffer hits_block { Hit hits[]; };
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) readonly buffer questions_block { Ray questions[]; };
-layout(scalar) readonly buffer blocked_block { uint blocked[]; };
+layout(scalar) readonly buffer shares_block { float shares[]; };
 layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // receivers x columns
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
@@ -34,11 +34,12 @@ void main() {
     uint r = receiver * unit.samples + s;
     uint question = r * unit.slots + q;
     float scale = scales[r];
-    if (scale <= 0.0 || questions[question].tMax < questions[question].tMin || blocked[question] != 0u) continue;
+    float share = shares[question];
+    if (scale <= 0.0 || share == 0.0) continue;
     // The corrected direction: from the probe to what the receiver sees; into the open it is the receiver's own.
     vec3 direction = questions[question].direction;
     if (hits[r].primitive != kMiss) direction = -normalize(direction);
-    float w = n.weight * scale;
+    float w = share * scale;
     for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
       matrix[base + uint(shIndex(y.l, y.m))] += w * shValue(y);
       if (y.m > 0) matrix[base + uint(shIndex(y.l, -y.m))] += w * shMirroredValue(y);

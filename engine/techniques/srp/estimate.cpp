@@ -25,7 +25,7 @@ MatrixSize sizeOf(const ReceiverCluster& c, const SrpParams& params, uint32_t co
 std::vector<WorkPart> transportWork(const ReceiverClusters& clusters, size_t first, size_t last, const SrpParams& params, uint32_t coefficients) {
   WorkPart rays, sums, decompositions;
   rays.name = "rays", rays.passes = {"srp: make rays", "srp: cast rays", "srp: ask probes", "srp: mutual visibility", "srp: weigh"};
-  sums.name = "sums", sums.kind = WorkPart::Kind::Sums, sums.passes = {"srp: accumulate"};
+  sums.name = "sums", sums.kind = WorkPart::Kind::Sums, sums.passes = {"srp: accumulate", "srp: read surfaces"};
   decompositions.name = "decompositions", decompositions.kind = WorkPart::Kind::Sums, decompositions.passes = {"srp: compress"};
   for (size_t i = first; i < last; ++i) {
     const ReceiverCluster& c = clusters.clusters[i];

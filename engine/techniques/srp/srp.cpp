@@ -70,7 +70,7 @@ class Srp final : public Technique {
     gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
     samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
-    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, progress);
+    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
   }
@@ -186,7 +186,7 @@ class Srp final : public Technique {
     const Summary& s = summary();
     const double number = params_.storage == kStorageFloat16 ? 2 : 4, vectors = sizeof(vec4) * s.vectors, receivers = precomputation_->clusters().receivers();
     return {{"srp: project clusters", static_cast<uint64_t>(s.basis * number + vectors)},
-            {"srp: irradiance transport", static_cast<uint64_t>(s.weights * number + vectors + receivers * (sizeof(vec4) + sizeof(uint32_t)))}};
+            {"srp: irradiance transport", static_cast<uint64_t>(s.weights * number + vectors + receivers * (sizeof(vec4) + sizeof(uint32_t)) + s.reads * (sizeof(shared::SrpRead) + sizeof(vec4)))}};
   }
 
   std::vector<std::pair<std::string, double>> counters() const override {
@@ -202,6 +202,7 @@ class Srp final : public Technique {
         {"rays_cast", static_cast<double>(precomputation_->raysCast())},
         {"invalid_receivers", s.invalid},
         {"valid_samples", clusters.receivers() > 0 ? s.valid / clusters.receivers() : 0},
+        {"lumels_read", clusters.receivers() > 0 ? s.reads / clusters.receivers() : 0},
         {"most_columns", s.mostColumns},
         {"light_vectors", s.vectors},
         {"uncompressed_bytes", s.numbers * number},
@@ -212,7 +213,7 @@ class Srp final : public Technique {
     list.push_back({"probe_rays_to_back_faces", static_cast<double>(seen.backFaces)});
     list.push_back({"probe_rays_without_texel", static_cast<double>(seen.withoutTexel)});
     if (!runtime_) return list;
-    list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes())});
+    list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes() + runtime_->readBytes())});
     list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? s.numbers * number / static_cast<double>(runtime_->matrixBytes()) : 0});
     const SrpRuntime::Counts counts = runtime_->counts();
     list.push_back({"negative_receivers", counts.negative});
@@ -248,7 +249,7 @@ class Srp final : public Technique {
   struct Summary {
     size_t clusters = 0;
     float leastValid = 0;
-    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, basis = 0, weights = 0;  ///< numbers: of the matrices, uncompressed
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, basis = 0, weights = 0;  ///< numbers: of the matrices, uncompressed
   };
   const Summary& summary() const {
     const std::vector<ClusterTransport>& transport = precomputation_->transport();
@@ -257,6 +258,7 @@ class Srp final : public Technique {
     s.clusters = transport.size(), s.leastValid = params_.least_valid;
     for (const ClusterTransport& t : transport) {
       s.numbers += static_cast<double>(t.receivers) * static_cast<double>(t.columns);
+      s.reads += static_cast<double>(t.reads.size());
       s.total += t.total, s.discarded += t.discarded;
       s.basis += static_cast<double>(t.basis.size()), s.weights += static_cast<double>(t.weights.size());
       s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));
