@@ -88,7 +88,7 @@ TEST(SurfelHardCase, APlainMeanNeedsAFrozenCache) {
     h.frame(h.scene.cameras.front());
     const double surfels = h.counter("surfels"), placed = h.counter("placed_at_pixels") + h.counter("placed_at_hits");
     EXPECT_GT(surfels, 0);
-    for (int i = 0; i < 120; ++i) h.frame(h.scene.cameras.front());
+    for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
     EXPECT_EQ(h.counter("surfels"), surfels);
     EXPECT_EQ(h.counter("placed_at_pixels") + h.counter("placed_at_hits"), placed);
     const Image a = h.irradiance();
@@ -107,7 +107,7 @@ TEST(SurfelHardCase, FullMemoryPlacesNoMoreAndSaysSo) {
   h.set("surfels.max_surfels", "1024").set("surfels.radius_pixels", "1");
   h.width = h.height = 96;
   h.rebuild();
-  for (int i = 0; i < 80; ++i) h.frame(h.scene.cameras.front());
+  for (int i = 0; i < 40; ++i) h.frame(h.scene.cameras.front());
   EXPECT_EQ(h.counter("surfels"), 1024);
   EXPECT_GT(h.counter("max_surfels_reached"), 0);
   EXPECT_TRUE(finite(h.irradiance()));
@@ -171,6 +171,23 @@ TEST(SurfelHardCase, InfAndNanAreCountedAndNeverEnterAnEstimate) {
   EXPECT_EQ(h.counter("surfel_inf") + h.counter("surfel_nan"), counted);
   EXPECT_TRUE(finite(h.irradiance()));
   EXPECT_GT(h.mean(), 0.9 * before);
+}
+
+/// A limit in deviations of what has never varied would be 0, and what has seen only black so far would stay black for ever.
+TEST(SurfelHardCase, AFireflyLimitLetsTheFirstLightIn) {
+  SurfelsHarness h(loadScene("furnace_box_050"));
+  small(h);
+  h.set("surfels.firefly_limit", "8").set("surfels.change_samples", "0");
+  h.width = h.height = 32;
+  const float emission = h.scene.materials.front().emission.x;
+  for (Material& m : h.scene.materials) m.emission = vec3(0.0f);
+  h.rebuild();
+  for (int i = 0; i < 40; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_EQ(h.mean(), 0);
+  h.shine(emission);
+  for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
+  EXPECT_GT(h.mean(), 0.8 * static_cast<double>(kPi * emission));  // pi rho / (1 - rho) times emission in the end
+  EXPECT_EQ(h.counter("surfel_nan"), 0);
 }
 
 TEST(SurfelHardCase, AJumpingCameraFindsLightAtOnceWhereRaysHavePlacedSurfels) {
