@@ -197,12 +197,12 @@ TEST(SurfelHardCase, AJumpingCameraFindsLightAtOnceWhereRaysHavePlacedSurfels) {
   h.rebuild();
   Camera away = h.scene.cameras.front(), back = away;
   back.position = vec3(-0.2f, 1, -0.7f), back.target = vec3(0.1f, 0.9f, 1);
-  for (int i = 0; i < 80; ++i) h.frame(away);
+  for (int i = 0; i < 60; ++i) h.frame(away);
   const double settled = h.mean();
   h.frame(back);
   std::printf("jump: %.4f of the light at once, %.0f pixels without\n", h.mean() / settled, h.counter("uncovered_pixels"));
   EXPECT_GT(h.mean(), 0.5 * settled);
-  for (int i = 0; i < 40; ++i) h.frame(back);
+  for (int i = 0; i < 20; ++i) h.frame(back);
   EXPECT_NEAR(h.mean() / settled, 1, 0.05);
   EXPECT_EQ(h.counter("unlit_pixels"), 0);
 }
@@ -212,9 +212,9 @@ TEST(SurfelHardCase, WithoutSurfelsAtHitsUnseenWallsLoseBouncesAndAreCounted) {
   for (const bool spawn : {false, true}) {
     SurfelsHarness h(loadScene("furnace_box_080"));
     small(h);
-    h.set("surfels.spawn_at_hits", spawn ? "true" : "false").set("surfels.ray_budget", "4");
+    h.set("surfels.spawn_at_hits", spawn ? "true" : "false").set("surfels.ray_budget", "4").set("surfels.young_rays", "0");
     h.rebuild();
-    for (int i = 0; i < 80; ++i) h.frame(h.scene.cameras.front());
+    for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
     light[spawn] = h.mean(), uncovered[spawn] = h.counter("uncovered_hits_last_frame") / h.counter("surfels");
   }
   std::printf("unseen walls: %.3f of the light without surfels there, %.2f uncovered hits a surfel and frame; with them %.4f\n", light[0] / light[1], uncovered[0], uncovered[1]);
