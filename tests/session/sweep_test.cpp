@@ -123,7 +123,10 @@ TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
   ASSERT_EQ(own.size(), 1u);
   int found = 0;
   for (const ErrorValue& e : r.runs[0]->errors)
-    if (e.target == "lightmap" && e.metric == "relmse") EXPECT_EQ(e.value, own[0].value), ++found;
+    if (e.target == "lightmap" && e.metric == "relmse") {
+      EXPECT_EQ(e.value, own[0].value);
+      ++found;
+    }
   EXPECT_EQ(found, 1);
 
   const Summary s = summarise(r);
@@ -131,7 +134,10 @@ TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
     int rows = 0;
     for (const ConfigurationSummary& c : s.configurations)
       for (const PassSummary& stated : c.passes)
-        if (stated.name == pass && stated.bytes > 0) EXPECT_GT(stated.gbps(), 0), ++rows;
+        if (stated.name == pass && stated.bytes > 0) {
+          EXPECT_GT(stated.gbps(), 0);
+          ++rows;
+        }
     EXPECT_GE(rows, 3) << pass;
   }
   int memory = 0;
@@ -140,7 +146,10 @@ TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
     EXPECT_EQ(slope.quantity, "bands");
     EXPECT_EQ(slope.points.size(), 3u) << "the compressed one is of another kind";
     EXPECT_EQ(slope.points.back().first, 5);
-    if (slope.cost == "technique_bytes") EXPECT_GT(slope.slope, 0), ++memory;
+    if (slope.cost == "technique_bytes") {
+      EXPECT_GT(slope.slope, 0);
+      ++memory;
+    }
   }
   EXPECT_EQ(memory, 1);
   for (const WithinTarget& t : withinTarget(r, s)) {
