@@ -37,7 +37,7 @@ void expectFailure(const CliResult& r, int code, const std::vector<std::string>&
 
 /// Precomputation is said before it begins; what it refuses is said once, and is bad usage where a parameter is at fault.
 TEST(CliRender, SaysWhatPrecomputationTakesAndWhatItRefuses) {
-  std::vector<std::string> srp = {"render", "cornell_box", "--technique", "srp", "--resolution", "32x24", "--set", "direct.samples=4", "--set", "lightmap.resolution=24",
+  std::vector<std::string> srp = {"render", "cornell_box", "--technique", "srp", "--resolution", "32x24", "--set", "direct.samples=4", "--set", "lightmap.resolution=32",
                                   "--set", "probes.spacing=0.5", "--set", "srp.receiver_rays=64", "--frames", "1"};
   srp.insert(srp.begin(), "--verbose");
   const CliResult r = runCli(srp);
