@@ -12,13 +12,15 @@ namespace hl {
 ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
   const auto all = static_cast<float>(params.receiver_rays);
   ClusterTransport t;
-  t.receivers = sums.receivers, t.columns = sums.columns;
+  t.receivers = sums.receivers, t.rows = sums.rows, t.columns = sums.columns;
   std::vector<float>& alpha = sums.matrix;
+  const uint32_t rows = sums.receivers * sums.rows;
   for (size_t r = 0; r < sums.receivers; ++r) {
     t.valid.push_back(sums.valid[r] / all);
     const float samples = params.sample_weight == kSampleWeightAll ? all : sums.valid[r];
     const float scale = samples > 0 ? kPi / samples : 0.0f;
-    for (size_t i = 0; i < sums.columns; ++i) alpha[r * sums.columns + i] *= scale;
+    for (size_t row = r; row < rows; row += sums.receivers)
+      for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
   }
   if (params.compression == kCompressionNone) {
     for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
@@ -30,8 +32,8 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
   settings.most = static_cast<uint32_t>(params.pca_vectors);
   settings.tolerance = static_cast<double>(params.pca_tolerance);
   settings.seed = seed;
-  if (params.pca_keep_constant) settings.keep = constantLights(alpha, sums.receivers, sums.columns, sums.coefficients);
-  Components p = principalComponents(alpha, sums.receivers, sums.columns, settings);
+  if (params.pca_keep_constant) settings.keep = constantLights(alpha, rows, sums.columns, sums.coefficients);
+  Components p = principalComponents(alpha, rows, sums.columns, settings);
   t.rank = p.rank;
   t.basis = std::move(p.basis);
   t.weights = std::move(p.weights);

@@ -30,6 +30,12 @@ PARAM_ENUM_VALUE(kSampleWeightValid, 0, "valid", "The mean is over samples that 
 PARAM_ENUM_VALUE(kSampleWeightAll, 1, "all", "The mean is over all samples: what no probe sees counts as dark (figure 5.6, left).")
 PARAM_ENUM_END(SrpSampleWeight)
 
+PARAM_ENUM_BEGIN(SrpReceivers)
+PARAM_ENUM_VALUE(kReceiversIrradiance, 0, "irradiance", "Irradiance for the surface's own normal: one transport vector a receiver (the thesis).")
+PARAM_ENUM_VALUE(kReceiversDirectional, 1, "directional",
+                 "How irradiance changes with the normal besides, for smooth normals and normal maps: four vectors a receiver, and four times the matrices.")
+PARAM_ENUM_END(SrpReceivers)
+
 PARAM_GROUP_BEGIN(srp, SrpParams)
 
 PARAM_INT(sh_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
@@ -37,6 +43,7 @@ PARAM_INT(sh_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
 PARAM_INT(receiver_rays, 1024, 16, 16384, 64, 4096, Log, Rebuild, "rays", "Rays a receiver casts once, to find what it sees. Precomputation time grows with them.")
 PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
           "Rays a probe casts once. What they hit is looked up in the lightmap in every frame.")
+PARAM_ENUM(receivers, SrpReceivers, kReceiversIrradiance, Rebuild, "What receivers know of the light that reaches them.")
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
 PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")

@@ -44,14 +44,14 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, points_, probes_, near_, rays_, hits_, questions_, blocked_, scales_, matrix_, valid_;
+  Buffer triangles_, points_, probes_, near_, rays_, hits_, questions_, blocked_, scales_, matrix_, valid_, directional_;
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
   size_t compressions_ = 1;       ///< at once
   size_t cluster_ = 0;            ///< being computed
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;
   float offset_ = 0;
-  uint32_t coefficients_ = 1;
+  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a receiver
 };
 
 }  // namespace hl

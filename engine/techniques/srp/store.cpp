@@ -20,13 +20,13 @@ namespace hl {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kMagic = "halflight transport 2\n";
+constexpr std::string_view kMagic = "halflight transport 3\n";
 
 std::string header(const std::string& key) { return std::string(kMagic) + key + "\n"; }
 
 std::string encode(const ClusterTransport& c) {
   ByteWriter w;
-  w.value(c.receivers), w.value(c.columns), w.value(c.rank);
+  w.value(c.receivers), w.value(c.rows), w.value(c.columns), w.value(c.rank);
   w.array(c.basis), w.array(c.weights), w.array(c.valid);
   w.value(c.total), w.value(c.discarded);
   return w.take();
@@ -35,11 +35,11 @@ std::string encode(const ClusterTransport& c) {
 ClusterTransport decode(std::string_view bytes) {
   ByteReader r(bytes);
   ClusterTransport c;
-  c.receivers = r.value<uint32_t>(), c.columns = r.value<uint32_t>(), c.rank = r.value<uint32_t>();
+  c.receivers = r.value<uint32_t>(), c.rows = r.value<uint32_t>(), c.columns = r.value<uint32_t>(), c.rank = r.value<uint32_t>();
   r.array(c.basis), r.array(c.weights), r.array(c.valid);
   c.total = r.value<double>(), c.discarded = r.value<double>();
   const uint64_t basis = c.basis.empty() ? 0 : uint64_t{c.rank} * c.columns;
-  if (!r.atEnd() || c.basis.size() != basis || c.weights.size() != uint64_t{c.receivers} * c.rank || c.valid.size() != c.receivers)
+  if (!r.atEnd() || c.basis.size() != basis || c.weights.size() != uint64_t{c.receivers} * c.rows * c.rank || c.valid.size() != c.receivers)
     throw std::out_of_range("sizes");
   return c;
 }
