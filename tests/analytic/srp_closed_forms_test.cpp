@@ -94,7 +94,8 @@ TEST(SrpTransport, HalfASkyIsExactFromOrderOne) {
       params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0;
       Gpu gpu{*h.device, *h.shaders};
       const SceneView view{h.scene, h.features, h.gpuScene, *h.tracer, *h.directLight, h.pool, &h.atlas, h.lightmap, h.direct, 1, &h.placed};
-      Precomputation work(gpu, view, params, triangles, h.progress);
+      const Buffer lumelOfTexel = h.device->buffer("lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
+      Precomputation work(gpu, view, params, triangles, lumelOfTexel, h.progress);
       while (!work.work().settled()) work.recordUnit(*h.graph), h.graph->execute();
       // The sky's coefficients: zonal about y, 2 pi times the integral of P_l over [0, 1], times Y_lm(y).
       const sh64::ShCoefficients axis = sh64::shBasis(order, glm::dvec3(0, 1, 0));

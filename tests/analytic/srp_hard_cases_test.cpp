@@ -5,6 +5,7 @@
 
 #include "engine/core/error.h"
 #include "engine/scene/scene_file.h"
+#include "tests/invariances.h"
 #include "tests/session_fixture.h"
 #include "tests/srp_harness.h"
 
@@ -36,6 +37,39 @@ TEST(SrpLeaks, NoneThroughAThinWallUncompressed) {
   std::printf("thin wall: dark side %.2e of the bright one, with 32 vectors a cluster %.2e\n", uncompressed, compressed);
   EXPECT_LE(uncompressed, 1e-3);
   EXPECT_LE(compressed, 1e-3);
+}
+
+class SrpSurfaces : public SessionTest {};
+
+/// One probe beside a block: a third of what receivers see it does not see. Radiosity on the same lightmap knows all of it. What is left is what order 7 blurs.
+TEST_F(SrpSurfaces, WhatNoProbeSeesIsReadOffTheLightmap) {
+  const Scene room = loadScene(litRoom(folder, kTwoLights[0]));
+  TechniqueHarness truth("radiosity", room);
+  truth.set("lightmap.resolution", "32").set("radiosity.samples", "256");
+  const double exact = truth.meanLuminance(truth.bake());
+  Scene scene = room;
+  scene.probes = {vec3(0.5f, -0.6f, -0.25f)};
+  SrpHarness h(scene);
+  h.set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "7").set("srp.receiver_rays", "128").set("srp.probe_rays", "500").set("srp.k", "1");
+  std::vector<vec3> light[2];
+  const auto off = [&](const char* weight, size_t to) {
+    h.set("srp.sample_weight", weight);
+    light[to] = h.light();
+    std::printf("one probe, %s: valid %.3f, %.1f lumels read, mean %+.2f %%\n", weight, h.counter("valid_samples"), h.counter("lumels_read"), 100 * (h.mean(light[to]) / exact - 1));
+    return h.mean(light[to]) / exact - 1;
+  };
+  EXPECT_GT(std::abs(off("valid", 0)), 0.1);
+  EXPECT_LT(off("all", 0), -0.1);
+  EXPECT_LT(h.counter("valid_samples"), 0.8);
+  EXPECT_EQ(h.counter("lumels_read"), 0);
+  EXPECT_NEAR(off("surface", 0), 0, 0.04);
+  EXPECT_GT(h.counter("lumels_read"), 1);
+  // Units that are smaller choose the same lumels.
+  h.set("srp.precompute_memory_mb", "2");
+  const uint64_t units = h.technique->work().total;
+  off("surface", 1);
+  EXPECT_GT(h.technique->work().total, units);
+  EXPECT_EQ(light[0], light[1]);
 }
 
 class SrpWork : public SessionTest {};

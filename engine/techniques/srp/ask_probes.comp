@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Mutual visibility (section 5.6.4): rays from what a receiver sees to each probe that it asks. Those that need no cast are inactive (tMin > tMax): probes
-// behind the surface, empty slots, backs of surfaces.
+// Mutual visibility (section 5.6.4): rays from what a receiver sees to each probe that it asks, and the probe's share where nothing is between. Those that need
+// no cast are inactive (tMin > tMax) and have no share: probes behind the surface, empty slots, backs of surfaces.
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/lumel_rays.h"
 #include "shaders/shared/ray.h"
@@ -14,6 +14,7 @@ layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) readonly buffer probes_block { vec4 probes[]; };
 uniform samplerBuffer triangles;
 layout(scalar) writeonly buffer questions_block { Ray questions[]; };
+layout(scalar) writeonly buffer shares_block { float shares[]; };
 layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
@@ -22,17 +23,28 @@ void main() {
   uint r = i / unit.slots;
   SrpNear n = near[(r / unit.samples) * unit.slots + i % unit.slots];
   Ray question = Ray(vec3(0.0), 1.0, vec3(0.0, 0.0, 1.0), 0.0);
+  float share = 0.0;
   if (n.weight > 0.0) {
     Ray ray = rays[r];
     Hit hit = hits[r];
     vec3 probe = probes[n.probe].xyz;
     if (hit.primitive == kMiss) {
-      if (unit.environment != 0u) question = Ray(probe, 0.0, ray.direction, kRayEnd);
+      if (unit.environment != 0u) {
+        question = Ray(probe, 0.0, ray.direction, kRayEnd);
+        share = n.weight;
+      }
     } else {
       vec3 normal = tableNormal(texelFetch(triangles, int(2u * hit.primitive + 1u)));
       vec3 at = ray.origin + hit.t * ray.direction + unit.offset * normal;
-      if (dot(normal, ray.direction) < 0.0 && dot(normal, probe - at) > 0.0) question = Ray(at, 0.0, probe - at, 1.0);
+      vec3 way = probe - at;
+      float height = dot(normal, way);
+      if (dot(normal, ray.direction) < 0.0 && height > 0.0) {
+        question = Ray(at, 0.0, way, 1.0);
+        float d2 = dot(way, way);
+        share = unit.solidAngle != 0u ? n.weight * height / (d2 * sqrt(d2)) : n.weight;
+      }
     }
   }
   questions[i] = question;
+  shares[i] = share;
 }

@@ -2,6 +2,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/techniques/srp/unit.h"
+
 namespace hl {
 
 /// The transport of one cluster, compressed or not.
@@ -10,6 +12,8 @@ struct ClusterTransport {
   std::vector<float> basis;      ///< rank x columns; empty without compression, where rank is columns
   std::vector<float> weights;    ///< (rows x receivers) x rank: irradiance, and what else rows stand for (unit.h), is the weights times the cluster's light vector
   std::vector<float> valid;      ///< one a receiver: share of its samples that some probe can speak for
+  std::vector<uint32_t> readsOf; ///< one a receiver: how many of `reads` are its own, which follow those of the receivers before it; empty where nothing is read
+  std::vector<shared::SrpRead> reads;  ///< lumels that stand for what no probe sees
   double total = 0, discarded = 0;  ///< squared Frobenius norms: of the transport, of what compression left out
 };
 

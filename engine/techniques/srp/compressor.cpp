@@ -15,10 +15,19 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
   t.receivers = sums.receivers, t.rows = sums.rows, t.columns = sums.columns;
   std::vector<float>& alpha = sums.matrix;
   const uint32_t rows = sums.receivers * sums.rows;
+  const size_t strata = sums.receivers > 0 ? sums.strata.size() / sums.receivers : 0;
   for (size_t r = 0; r < sums.receivers; ++r) {
     t.valid.push_back(sums.valid[r] / all);
-    const float samples = params.sample_weight == kSampleWeightAll ? all : sums.valid[r];
+    const float samples = params.sample_weight == kSampleWeightAll ? all : sums.valid[r] + (strata > 0 ? sums.answered[r] : 0.0f);
     const float scale = samples > 0 ? kPi / samples : 0.0f;
+    if (strata > 0) {
+      const size_t before = t.reads.size();
+      for (size_t s = 0; s < strata; ++s) {
+        const shared::SrpStratum& read = sums.strata[r * strata + s];
+        if (read.count > 0) t.reads.push_back({read.lumel, scale * static_cast<float>(read.count)});
+      }
+      t.readsOf.push_back(static_cast<uint32_t>(t.reads.size() - before));
+    }
     for (size_t row = r; row < rows; row += sums.receivers)
       for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
   }

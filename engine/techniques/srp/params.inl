@@ -28,6 +28,7 @@ PARAM_ENUM_END(SrpWindow)
 PARAM_ENUM_BEGIN(SrpSampleWeight)
 PARAM_ENUM_VALUE(kSampleWeightValid, 0, "valid", "The mean is over samples that some probe can speak for.")
 PARAM_ENUM_VALUE(kSampleWeightAll, 1, "all", "The mean is over all samples: what no probe sees counts as dark (figure 5.6, left).")
+PARAM_ENUM_VALUE(kSampleWeightSurface, 2, "surface", "What no probe sees is read off the lightmap where the ray ends, surface_reads times a receiver at most.")
 PARAM_ENUM_END(SrpSampleWeight)
 
 PARAM_ENUM_BEGIN(SrpReceivers)
@@ -35,6 +36,11 @@ PARAM_ENUM_VALUE(kReceiversIrradiance, 0, "irradiance", "Irradiance for the surf
 PARAM_ENUM_VALUE(kReceiversDirectional, 1, "directional",
                  "How irradiance changes with the normal besides, for smooth normals and normal maps: four vectors a receiver, and four times the matrices.")
 PARAM_ENUM_END(SrpReceivers)
+
+PARAM_ENUM_BEGIN(SrpProbeShare)
+PARAM_ENUM_VALUE(kShareDistance, 0, "distance", "By the probe's distance from the receiver alone (the thesis, equation 4.4).")
+PARAM_ENUM_VALUE(kShareSolidAngle, 1, "solid_angle", "By that, times the solid angle under which the probe sees what the receiver sees: bands blur it over as many square metres as that angle is small.")
+PARAM_ENUM_END(SrpProbeShare)
 
 PARAM_GROUP_BEGIN(srp, SrpParams)
 
@@ -47,6 +53,7 @@ PARAM_ENUM(receivers, SrpReceivers, kReceiversIrradiance, Rebuild, "What receive
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
 PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")
+PARAM_ENUM(probe_share, SrpProbeShare, kShareSolidAngle, Rebuild, "How those probes that see what a receiver's ray hit share in it.")
 PARAM_ENUM(compression, SrpCompression, kCompressionCpca, Rebuild, "How transport vectors are kept.")
 PARAM_INT(pca_vectors, 32, 1, 128, 4, 128, Log, Rebuild, "vectors", "cpca: vectors a cluster keeps at most.")
 PARAM_FLOAT(pca_tolerance, 0, 0, 1, 1e-4, 0.1, Log, Rebuild, "share",
@@ -62,7 +69,9 @@ PARAM_INT(update_frames, 1, 1, 16, 1, 16, Log, Reset, "frames",
 PARAM_ENUM(window, SrpWindow, kWindowNone, Reset, "Takes ringing out of the probes' light, and sharpness with it. The mean (band 0) stays as it is.")
 PARAM_BOOL(environment_rays, true, Rebuild,
            "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
-PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightValid, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
+          "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
 PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance. Either way it is counted.")
 PARAM_INT(precompute_memory_mb, 512, 1, 65536, 64, 8192, Log, Rebuild, "MiB",

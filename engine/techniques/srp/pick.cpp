@@ -57,6 +57,19 @@ PickReport pickReceiver(const SceneView& scene, Device& device, const ReceiverCl
     s.weight = norm > 0 ? static_cast<float>(own / norm) : 0.0f;
     if (s.weight > 0) report.samples.push_back(s);
   }
+  if (!t.reads.empty()) {
+    size_t first = 0;
+    for (uint32_t r = 0; r < row; ++r) first += t.readsOf[r];
+    std::vector<vec4> radiance(runtime.radiance().size() / sizeof(vec4));
+    device.download(runtime.radiance(), radiance.data(), radiance.size() * sizeof(vec4));
+    vec3 brings(0.0f);
+    for (size_t i = first; i < first + t.readsOf[row]; ++i) {
+      const vec4 l = radiance[t.reads[i].lumel];
+      brings += t.reads[i].weight * vec3(l.x, l.y, l.z);
+    }
+    sum += brings;
+    report.facts.push_back({"read off surfaces", fmt::format("{} lumels: {:.4g} of the irradiance", t.readsOf[row], luminance(brings))});
+  }
   report.facts.push_back({"receiver", fmt::format("{} of {}, in cluster {} with {} others", receiver, clusters.receivers(), which, c.receivers - 1)});
   report.facts.push_back({"probes of the cluster", fmt::format("{}", c.probes.size())});
   report.facts.push_back({"light vectors", fmt::format("{} for {} coefficients", t.rank, t.columns)});

@@ -22,12 +22,13 @@ constexpr uint32_t kVersion = 4;
 constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
-constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t);
+constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
 
 }  // namespace
 
-Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, Progress& progress)
-    : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles) {
+Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, Progress& progress)
+    : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
+  reads_ = params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
   const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   rows_ = params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1;
@@ -69,7 +70,7 @@ std::string Precomputation::key(const SceneView& scene) const {
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params_.sh_order).value(params_.receiver_rays).value(params_.receivers).value(params_.support).value(params_.radius).value(params_.k);
   h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.pca_keep_constant).value(params_.clustering).value(params_.cluster_size);
-  h.value(params_.environment_rays).value(params_.sample_weight);
+  h.value(params_.environment_rays).value(params_.sample_weight).value(reads_).value(params_.probe_share);
   return h.hex();
 }
 
@@ -89,7 +90,8 @@ void Precomputation::allocate(const SceneView& scene) {
   const uint64_t questionBytes = kBytesAQuestion + kBytesARay;
   // A decomposition holds its matrix in single precision and, for a while, three times in double; one is in work at least.
   const uint64_t decomposition = params_.compression == kCompressionNone ? 8 * matrix : 28 * matrix;
-  const uint64_t fixed = 4 * matrix + decomposition + sizeof(shared::SrpNear) * near + 4 * receivers;
+  const uint64_t strata = std::max<uint64_t>(1, receivers * reads_);
+  const uint64_t fixed = 4 * matrix + decomposition + sizeof(shared::SrpNear) * near + 8 * receivers + sizeof(shared::SrpStratum) * strata;
   const uint64_t largest = device_.maxStorageBufferBytes();
   const uint64_t least = fixed + leastQuestions * questionBytes;
   if (least > budget)
@@ -119,10 +121,13 @@ void Precomputation::allocate(const SceneView& scene) {
   hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * unitQuestions_);
   scales_ = device_.buffer("srp: scales", sizeof(float) * unitQuestions_);
   questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
+  shares_ = device_.buffer("srp: shares", sizeof(float) * unitQuestions_);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
   directional_ = device_.buffer("srp: slopes of irradiance", std::span<const vec2>(directionalTable()));
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
+  strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
+  answered_ = device_.buffer("srp: samples of surfaces", 4 * receivers);
 }
 
 uint32_t Precomputation::samplesPerUnit(const ReceiverCluster& c) const {
@@ -148,6 +153,7 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
   graph.clear("srp: clear transport", matrix_);
   graph.clear("srp: clear valid samples", valid_);
+  if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
 
 void Precomputation::recordUnit(FrameGraph& graph) {
@@ -167,6 +173,8 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
   unit.order = params_.sh_order, unit.offset = offset_, unit.rows = rows_;
+  unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
   scene_.tracer.record(graph, "srp: cast rays", rays_, hits_, rays, Query::Closest);
@@ -177,16 +185,16 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("probes", probes_, Access::Read)
       .bind("triangles", triangles_, Access::Read)
       .bind("questions", questions_, Access::Write)
+      .bind("shares", shares_, Access::Write)
       .push(unit)
       .dispatchThreads(questions);
   scene_.tracer.record(graph, "srp: mutual visibility", questions_, blocked_, questions, Query::Any);
   graph.compute("srp: weigh", "srp/weigh.comp")
       .bind("rays", rays_, Access::Read)
       .bind("hits", hits_, Access::Read)
-      .bind("near", near_, Access::Read)
-      .bind("questions", questions_, Access::Read)
       .bind("blocked", blocked_, Access::Read)
       .bind("triangles", triangles_, Access::Read)
+      .bind("shares", shares_, Access::ReadWrite)
       .bind("scales", scales_, Access::Write)
       .push(unit)
       .dispatchThreads(rays);
@@ -197,12 +205,26 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("hits", hits_, Access::Read)
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
-      .bind("blocked", blocked_, Access::Read)
+      .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("valid", valid_, Access::ReadWrite)
       .push(unit)
       .dispatchThreads(c.receivers * c.slots);
+  if (reads_ > 0) {
+    graph.compute("srp: read surfaces", "srp/read_surfaces.comp")
+        .bind("hits", hits_, Access::Read)
+        .bind("points", points_, Access::Read)
+        .bind("triangles", triangles_, Access::Read)
+        .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
+        .bind("scales", scales_, Access::Read)
+        .bind("strata", strata_, Access::ReadWrite)
+        .bind("answered", answered_, Access::ReadWrite)
+        .push(unit)
+        .dispatchThreads(c.receivers);
+  } else {
+    graph.skip("srp: read surfaces", "srp.sample_weight is not surface");
+  }
   sample_ += samples;
   raysCast_ += rays + questions;
   ++unitsDone_;
@@ -220,9 +242,17 @@ void Precomputation::recordCompression(FrameGraph& graph) {
   graph.host("srp: compress")
       .read(matrix_)
       .read(valid_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, receivers = c.receivers, rows = rows_, columns = static_cast<uint32_t>(c.probes.size()) * coefficients_,
-            coefficients = coefficients_](HostAccess& memory) {
+      .read(strata_)
+      .read(answered_)
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, receivers = c.receivers, rows = rows_,
+            columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
+        if (reads > 0) {
+          const std::span<shared::SrpStratum> all = memory.span<shared::SrpStratum>(strata).first(size_t{receivers} * reads);
+          const std::span<float> known = memory.span<float>(answered).first(receivers);
+          sums.strata.assign(all.begin(), all.end());
+          sums.answered.assign(known.begin(), known.end());
+        }
         sums.receivers = receivers, sums.rows = rows, sums.columns = columns, sums.coefficients = coefficients;
         const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * rows * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
@@ -233,18 +263,18 @@ void Precomputation::recordCompression(FrameGraph& graph) {
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = directional_ = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
-  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_}) bytes += *b ? b->size() : 0;
+  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_}) bytes += *b ? b->size() : 0;
   return bytes;
 }
 
 uint64_t Precomputation::hostBytes() const {
   uint64_t bytes = 0;
-  for (const ClusterTransport& t : transport()) bytes += 4 * (t.basis.size() + t.weights.size() + t.valid.size());
+  for (const ClusterTransport& t : transport()) bytes += 4 * (t.basis.size() + t.weights.size() + t.valid.size() + t.readsOf.size()) + sizeof(shared::SrpRead) * t.reads.size();
   for (const ReceiverCluster& c : clusters_.clusters) bytes += sizeof(shared::SrpNear) * c.near.size() + 4 * c.probes.size();
   return bytes;
 }

@@ -14,9 +14,9 @@ namespace hl {
 
 class Precomputation {
  public:
-  /// Clusters, working memory, and what the cache on disk has. `triangles`: LightmapTables::triangles on the device.
+  /// Clusters, working memory, and what the cache on disk has. `triangles`, `lumelOfTexel`: of LightmapTables, on the device.
   /// @throws Error(TooLarge) naming what does not fit, and what would; Error(Cancelled)
-  Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, Progress&);
+  Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, const Buffer& lumelOfTexel, Progress&);
 
   WorkState work() const;
   void recordUnit(FrameGraph&);
@@ -44,7 +44,8 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, points_, probes_, near_, rays_, hits_, questions_, blocked_, scales_, matrix_, valid_, directional_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_;
+  uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
   size_t compressions_ = 1;       ///< at once
   size_t cluster_ = 0;            ///< being computed

@@ -9,6 +9,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/spherical_harmonics64.h"
+#include "engine/techniques/srp/directional.h"
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -39,14 +40,38 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   reflectance_ = device_.buffer("srp: reflectance", std::span<const vec4>(tables.reflectance));
   direct_ = device_.buffer("srp: direct", lumels_ * sizeof(vec4));
   irradiance_ = device_.buffer("srp: irradiance", lumels_ * sizeof(vec4));
+  directionalTable_ = device_.buffer("srp: table of slopes", std::span<const vec2>(directionalTable()));
   slopes_ = device_.buffer("srp: slopes of irradiance", (directional() ? uint64_t{kSlopes} * lumels_ : 1) * sizeof(vec4));
   noIrradiance_ = device_.buffer("srp: no irradiance", lumels_ * sizeof(vec4));
   radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
   basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, params.sh_order)));
   coefficients_ = device_.buffer("srp: radiance of probes", uint64_t{probes_} * coefficientCount_ * sizeof(vec4));
+  parts_ = (static_cast<uint32_t>(params.probe_rays) + shared::kSrpPartSamples - 1) / shared::kSrpPartSamples;
+  const uint64_t sums = uint64_t{probes_} * parts_ * coefficientCount_ * sizeof(vec4);
+  if (sums > device_.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: sums over the rays of {} probes need {} MiB, more than a buffer of this device holds; lower srp.probe_rays or srp.sh_order",
+                                                 probes_, sums >> 20));
+  partSums_ = device_.buffer("srp: sums over parts of probes' rays", sums);
   lumelOfReceiver_ = device_.buffer("srp: lumel of receiver", std::span<const uint32_t>(clusters.lumelOfReceiver));
   counters_ = device_.buffer("srp: counters", shared::kSrpCounters * sizeof(uint32_t));
   uploadPages(clusters, transport);
+  uploadReads(transport);
+}
+
+void SrpRuntime::uploadReads(std::span<const ClusterTransport> transport) {
+  std::vector<uint32_t> first{0};
+  std::vector<shared::SrpRead> reads;
+  for (const ClusterTransport& t : transport) {
+    for (uint32_t n : t.readsOf) first.push_back(first.back() + n);
+    reads.insert(reads.end(), t.reads.begin(), t.reads.end());
+  }
+  if (reads.size() * sizeof(shared::SrpRead) > device_.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: {} MiB of surfaces that receivers read are more than a buffer of this device holds; lower srp.surface_reads",
+                                                 reads.size() * sizeof(shared::SrpRead) >> 20));
+  anyReads_ = !reads.empty();
+  if (reads.empty()) reads.push_back({0, 0.0f});
+  firstRead_ = device_.buffer("srp: reads of receivers", std::span<const uint32_t>(first));
+  reads_ = device_.buffer("srp: surfaces read", std::span<const shared::SrpRead>(reads));
 }
 
 /// Matrices one after the other, in as few buffers as the device's largest allows.
@@ -161,19 +186,24 @@ void SrpRuntime::recordProbes(FrameGraph& graph) {
   const uint32_t first = all ? 0 : frame_ % stride, step = all ? 1 : stride;
   if (first >= probes_) {
     graph.skip("srp: project probes", "no probe's turn");
+    graph.skip("srp: sum probes", "no probe's turn");
     return;
   }
-  struct Constants {
-    uint32_t probes, first, stride;
-  } constants{probes_, first, step};
+  const shared::SrpTurn turn{first, step, (probes_ - first + step - 1) / step, parts_};
   graph.compute("srp: project probes", "srp/project_probes.comp")
       .bind("codes", codes_, Access::Read)
       .bind("basis", basis_, Access::Read)
       .bind("radiance", radiance_, Access::Read)
+      .bind("partSums", partSums_, Access::Write)
+      .uniform("srp", params_)
+      .push(turn)
+      .dispatch(turn.count, turn.parts);
+  graph.compute("srp: sum probes", "srp/sum_probes.comp")
+      .bind("partSums", partSums_, Access::Read)
       .bind("coefficients", coefficients_, Access::Write)
       .uniform("srp", params_)
-      .push(constants)
-      .dispatch((probes_ - first + step - 1) / step);
+      .push(turn)
+      .dispatchThreads(turn.count * coefficientCount_);
 }
 
 void SrpRuntime::recordClusters(FrameGraph& graph) {
@@ -203,9 +233,14 @@ void SrpRuntime::recordClusters(FrameGraph& graph) {
         .bind("irradiance", irradiance_, Access::Write)
         .bind("counters", counters_, Access::ReadWrite)
         .bind("points", points_, Access::Read)
+        .bind("directional", directionalTable_, Access::Read)
         .bind("slopes", slopes_, Access::Write)
+        .bind("firstRead", firstRead_, Access::Read)
+        .bind("reads", reads_, Access::Read)
+        .bind("radiance", radiance_, Access::Read)
         .specialize("kHalf", half)
         .specialize("kDirectional", directional() ? 1 : 0)
+        .specialize("kReads", anyReads_ ? 1 : 0)
         .push(batch)
         .dispatch((page.mostReceivers + kLanes - 1) / kLanes, page.clusters);
   }
@@ -217,11 +252,13 @@ uint64_t SrpRuntime::matrixBytes() const {
   return bytes;
 }
 
+uint64_t SrpRuntime::readBytes() const { return anyReads_ ? firstRead_.size() + reads_.size() : 0; }
+
 std::vector<MemoryItem> SrpRuntime::memory() const {
   uint64_t lumels = 0, probes = 0;
   for (const Buffer* b : {&points_, &reflectance_, &direct_, &irradiance_, &slopes_, &noIrradiance_, &radiance_, &lumelOfReceiver_}) lumels += b->size();
-  for (const Buffer* b : {&codes_, &basis_, &coefficients_}) probes += b->size();
-  return {{"transport matrices", matrixBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
+  for (const Buffer* b : {&codes_, &basis_, &partSums_, &coefficients_}) probes += b->size();
+  return {{"transport matrices", matrixBytes()}, {"surfaces read", readBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
 }
 
 SrpRuntime::Counts SrpRuntime::counts() const {

@@ -34,6 +34,8 @@ class SrpRuntime {
   const Buffer& coefficients() const { return coefficients_; }  ///< vec4 a probe and coefficient
   std::vector<MemoryItem> memory() const;
   uint64_t matrixBytes() const;                             ///< of clusters' matrices as they are stored
+  uint64_t readBytes() const;                               ///< of what receivers read off surfaces
+  const Buffer& radiance() const { return radiance_; }      ///< vec4 a lumel
   struct Counts {
     uint32_t negative = 0, nonFinite = 0;                   ///< receivers
   };
@@ -46,6 +48,7 @@ class SrpRuntime {
     uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0;
   };
   void uploadPages(const ReceiverClusters&, std::span<const ClusterTransport>);
+  void uploadReads(std::span<const ClusterTransport>);
   void recordDirect(FrameGraph&);
   void recordProbes(FrameGraph&);
   void recordClusters(FrameGraph&);
@@ -53,9 +56,10 @@ class SrpRuntime {
   Device& device_;
   SceneView scene_;
   SrpParams params_;
-  uint32_t lumels_ = 0, probes_ = 0, coefficientCount_ = 1;
+  uint32_t lumels_ = 0, probes_ = 0, coefficientCount_ = 1, parts_ = 1;
   std::vector<Page> pages_;
-  Buffer points_, reflectance_, direct_, irradiance_, slopes_, noIrradiance_, radiance_, codes_, basis_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, counters_;
+  Buffer points_, reflectance_, direct_, irradiance_, slopes_, directionalTable_, noIrradiance_, radiance_, codes_, basis_, partSums_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, firstRead_, reads_, counters_;
+  bool anyReads_ = false;
   uint32_t directSample_ = 0, frame_ = 0;
   bool clearWanted_ = true, clearDirectWanted_ = true;
 };

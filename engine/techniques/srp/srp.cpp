@@ -71,7 +71,7 @@ class Srp final : public Technique {
     gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
     samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
-    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, progress);
+    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
   }
@@ -181,6 +181,7 @@ class Srp final : public Technique {
         {"rays_cast", static_cast<double>(precomputation_->raysCast())},
         {"invalid_receivers", s.invalid},
         {"valid_samples", clusters.receivers() > 0 ? s.valid / clusters.receivers() : 0},
+        {"lumels_read", clusters.receivers() > 0 ? s.reads / clusters.receivers() : 0},
         {"most_columns", s.mostColumns},
         {"light_vectors", s.vectors},
         {"uncompressed_bytes", s.numbers * number},
@@ -191,7 +192,7 @@ class Srp final : public Technique {
     list.push_back({"probe_rays_to_back_faces", static_cast<double>(seen.backFaces)});
     list.push_back({"probe_rays_without_texel", static_cast<double>(seen.withoutTexel)});
     if (!runtime_) return list;
-    list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes())});
+    list.push_back({"stored_bytes", static_cast<double>(runtime_->matrixBytes() + runtime_->readBytes())});
     list.push_back({"compression_ratio", runtime_->matrixBytes() > 0 ? s.numbers * number / static_cast<double>(runtime_->matrixBytes()) : 0});
     const SrpRuntime::Counts counts = runtime_->counts();
     list.push_back({"negative_receivers", counts.negative});
@@ -220,7 +221,7 @@ class Srp final : public Technique {
   struct Summary {
     size_t clusters = 0;
     float leastValid = 0;
-    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0;  ///< numbers: of the matrices, uncompressed
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0;  ///< numbers: of the matrices, uncompressed
   };
   const Summary& summary() const {
     const std::vector<ClusterTransport>& transport = precomputation_->transport();
@@ -229,6 +230,7 @@ class Srp final : public Technique {
     s.clusters = transport.size(), s.leastValid = params_.least_valid;
     for (const ClusterTransport& t : transport) {
       s.numbers += static_cast<double>(t.receivers) * t.rows * static_cast<double>(t.columns);
+      s.reads += static_cast<double>(t.reads.size());
       s.total += t.total, s.discarded += t.discarded;
       s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));
       for (float v : t.valid) s.invalid += v < params_.least_valid, s.valid += static_cast<double>(v);

@@ -25,6 +25,10 @@ struct SrpUnit {
   int order;
   float offset;       ///< of rays that start at a hit, in front of it [m]
   uint rows;          ///< a receiver: 1, or kSrpDirectionalRows
+  uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
+  uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
+  uint allSamples;    ///< of a receiver, in all units
+  uint resolution;    ///< of the lightmap
 };
 
 /// Rows of the matrix that a directional receiver has: its irradiance, and the three parts of irradiance's change with the normal, in the frame that
@@ -34,6 +38,29 @@ HL_CONST uint kSrpDirectionalRows = 4u;
 /// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
 HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
 HL_CONST float kSrpDark = -1.0f;     ///< it hit what reflects nothing: valid, and dark
+
+/// One stratum of a receiver's samples: one of those that no probe sees, each as likely as any other, and how many it stands for.
+struct SrpStratum {
+  uint lumel;
+  uint count;
+};
+
+/// What a receiver reads off the lightmap: irradiance is weight times the lumel's radiance [sr].
+struct SrpRead {
+  uint lumel;
+  float weight;
+};
+
+/// Samples of a probe that one workgroup projects.
+HL_CONST uint kSrpPartSamples = 128u;
+
+/// Push constants of probe projection: probes first, first + stride, ... of all, `count` of them, each in so many parts.
+struct SrpTurn {
+  uint first;
+  uint stride;
+  uint count;
+  uint parts;
+};
 
 /// A cluster in a frame. Its matrices lie in one page; offsets there are in numbers, not bytes.
 struct SrpCluster {
