@@ -61,6 +61,7 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
 
 void SurfelCache::restart() {
   frame_ = harvested_ = 0;
+  age_ = 0;
   last_ = {};
   sums_ = {};
   raysCast_ = 0;
@@ -120,8 +121,9 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   if (grid_->camera()) {
     const float least = params.sizing == kSizingScreen ? shared::kLeastRadius * f.radiusMax : f.radius;
     const float perMetre = params.sizing == kSizingScreen ? params.radius_pixels * f.pixelAngle : 0;
-    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, params.hit_reach * least, params.hit_reach * perMetre);
-    f.gridInner = around.inner, f.gridEdge = around.edge, f.gridPerLog = around.perLog;
+    const float most = params.sizing == kSizingScreen ? f.radiusMax : std::max(f.radius, std::min(params.hit_reach * f.radius, f.radiusMax));
+    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, std::min(params.hit_reach * least, most), params.hit_reach * perMetre, most);
+    f.grid = around.shape;
     f.cells = around.cells;
     std::copy(around.regions.begin(), around.regions.end(), f.regions);
   }
@@ -133,6 +135,7 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.frame = frame_;
   f.seed = in.seed;
   f.lightChanged = in.lightsChanged ? 1 : 0;
+  f.age = 1 + (in.lightsChanged && params.change_samples > 0 ? std::min(age_, params.change_samples) : age_);
   f.surfels = last_.highWater;
   f.maxSurfels = maxSurfels_;
   const double inView = std::min(last_.inView, last_.alive);

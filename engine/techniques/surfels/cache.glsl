@@ -42,9 +42,9 @@ uvec3 cellWithin(vec3 coordinates, uvec3 size) { return uvec3(clamp(ivec3(floor(
 uint cellAt(vec3 p) {
   if (!kCameraGrid) return cellIndex(cellWithin((p - frame.gridOrigin) / frame.cellSize, frame.gridSize), frame.gridSize);
   const vec3 q = p - frame.eye;
-  const uint region = gridRegionOf(q, frame.gridInner);
+  const uint region = gridRegionOf(q, frame.grid);
   const GridRegion r = frame.regions[region];
-  return r.firstCell + cellIndex(cellWithin(gridCoordinates(q, region, frame.gridInner, frame.gridEdge, frame.gridPerLog) - r.low, r.size), r.size);
+  return r.firstCell + cellIndex(cellWithin(gridCoordinates(q, region, frame.grid) - r.low, r.size), r.size);
 }
 
 float radiusAt(vec3 position) {

@@ -66,6 +66,7 @@ class SurfelCache {
   Ray ray_;
 
   uint32_t frame_ = 0;       ///< recorded since the restart
+  float age_ = 0;            ///< SurfelFrame::age of the last one
   uint32_t harvested_ = 0;   ///< stamp of the last totals that were read
   shared::SurfelTotals last_{};
   shared::SurfelFrame lastFrame_{};

@@ -37,12 +37,13 @@ namespace {
 
 /// Least share of its distance that a cell's edge is: finer ones would only be empty.
 constexpr float kLeastEdge = 0.02f;
+constexpr float kMostEdge = 4;
 /// A cell's edge in radii of the surfels there: so that one reaches two along each axis, three at most.
 constexpr float kEdgeInRadii = 2;
 
-CameraGridPlan planWithEdge(const Bounds& bounds, vec3 eye, float inner, float edge) {
+CameraGridPlan planWithShape(const Bounds& bounds, vec3 eye, const shared::GridShape& shape) {
   CameraGridPlan plan;
-  plan.inner = inner, plan.edge = edge, plan.perLog = 1 / std::log1p(edge);
+  plan.shape = shape;
   const vec3 centre = 0.5f * (bounds.min + bounds.max) - eye, half = 0.5f * (bounds.max - bounds.min);
   double cells = 0;
   for (uint32_t r = 0; r < shared::kGridRegions; ++r) {
@@ -50,8 +51,8 @@ CameraGridPlan planWithEdge(const Bounds& bounds, vec3 eye, float inner, float e
     region.firstCell = static_cast<uint32_t>(std::min<double>(cells, kMostCells));
     region.size = uvec3(1);
     vec3 low, high;
-    if (shared::gridReach(centre, half, r, inner, edge, plan.perLog, low, high)) {
-      if (r == 0) low = glm::max(low, vec3(-1 / edge)), high = glm::min(high, vec3(1 / edge));
+    if (shared::gridReach(centre, half, r, shape, low, high)) {
+      if (r == 0) low = glm::max(low, vec3(-1 / shape.edge)), high = glm::min(high, vec3(1 / shape.edge));
       region.low = glm::floor(low);
       region.size = uvec3(glm::clamp(glm::floor(high) - region.low + 1.0f, vec3(1), vec3(static_cast<float>(kMostCells))));
     }
@@ -63,18 +64,25 @@ CameraGridPlan planWithEdge(const Bounds& bounds, vec3 eye, float inner, float e
 
 }  // namespace
 
-CameraGridPlan planCameraGrid(const Bounds& bounds, vec3 eye, float least, float perDistance) {
-  float edge = std::clamp(kEdgeInRadii * perDistance, kLeastEdge, 1.0f);
-  for (;; edge *= 1.1f) {
+CameraGridPlan planCameraGrid(const Bounds& sceneBounds, vec3 eye, float least, float perDistance, float most) {
+  Bounds bounds = sceneBounds;
+  if (bounds.empty()) bounds.extend(eye);
+  if (!(most > 0)) least = most = 1;  // a scene without extent: any cells will do
+  for (float larger = 1;; larger *= 1.1f) {
+    shared::GridShape shape{};
+    shape.edge = std::min(larger * std::clamp(kEdgeInRadii * perDistance, kLeastEdge, 1.0f), kMostEdge);
+    shape.perLog = 1 / std::log1p(shape.edge);
     // Where the least radius takes over from the one that follows the distance, or where it would fill a cell.
-    const float inner = std::max(perDistance > 0 ? least / perDistance : 0.0f, kEdgeInRadii * least / edge);
-    const CameraGridPlan plan = planWithEdge(bounds, eye, inner, edge);
-    if (plan.cells <= kMostCells || edge > 4) return plan;
+    shape.inner = std::max(perDistance > 0 ? least / perDistance : 0.0f, kEdgeInRadii * least / shape.edge);
+    shape.outer = std::max(shape.inner, perDistance > 0 ? most / perDistance : 0.0f);
+    shape.outerEdge = larger * most;
+    const CameraGridPlan plan = planWithShape(bounds, eye, shape);
+    if (plan.cells <= kMostCells) return plan;
   }
 }
 
 SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels, bool camera)
-    : device_(device), plan_(plan), camera_(camera), room_(maxSurfels * kMostCellsOfSurfel) {
+    : device_(device), plan_(plan), camera_(camera), sorting_(device.isCpu() ? kSortingOnCpu : kSortingOnGpu), room_(maxSurfels * kMostCellsOfSurfel) {
   const uint64_t bytes = uint64_t{maxSurfels} * kMostCellsOfSurfel * sizeof(uint32_t);
   if (bytes > device.maxStorageBufferBytes())
     throw Error(ErrorKind::TooLarge, "surfels: lists of cells for " + std::to_string(maxSurfels) + " surfels take " + std::to_string(bytes) +
@@ -127,9 +135,11 @@ void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared
       .bind("cellOffsets", offsets_, Access::Read)
       .bind("cellEntries", entries_, Access::ReadWrite)
       .bind("totals", totals, Access::ReadWrite)
+      .specialize("kListsOfGroup", sorting_.listsOfGroup)
+      .specialize("kAlone", sorting_.alone)
       .uniform("frame", frame)
       .uniform("surfels", params)
-      .dispatchThreads(frame.lists);
+      .dispatch((frame.lists + sorting_.listsOfGroup - 1) / sorting_.listsOfGroup);
 }
 
 }  // namespace hl

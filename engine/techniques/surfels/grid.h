@@ -21,16 +21,27 @@ inline constexpr uint32_t kMostCells = 1u << 18;
 inline constexpr uint32_t kMostCellsOfSurfel = 27;
 /// The camera's grid of one frame (grid_cells.h).
 struct CameraGridPlan {
-  float inner = 1, edge = 1, perLog = 1;  ///< SurfelFrame::gridInner, gridEdge, gridPerLog
+  shared::GridShape shape{1, 1, 1, 1, 1};
   std::array<shared::GridRegion, shared::kGridRegions> regions{};
   uint32_t cells = 0;
 };
-/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` [m]. They are enlarged where there would be
-/// more than kMostCells.
-CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance);
+/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` and at most `most` [m]; of once that, as in
+/// the uniform grid, from where it is `most`. They are enlarged where there would be more than kMostCells.
+CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance, float most);
 
 /// `edge` [m] is enlarged where it would make more than kMostCells.
 GridPlan planGrid(const Bounds&, float edge);
+
+/// How the lists are sorted: specialisation of sort_cells.comp. The result is the same.
+struct SurfelSorting {
+  uint32_t listsOfGroup;  ///< lists a work group, at most 128
+  uint32_t alone;         ///< entries up to which one invocation sorts a list
+};
+/// Full cells lie together, so a group gets few; most are empty, so not one.
+inline constexpr SurfelSorting kSortingOnGpu{16, 8};
+/// Invocations run a few at a time and nearly in their order, which leaves lists nearly sorted; barriers cost much. lavapipe ends an invocation's loops after 65535 rounds in
+/// all, with what has been done by then: a list of this length takes less in any order.
+inline constexpr SurfelSorting kSortingOnCpu{128, 512};
 
 class SurfelGrid {
  public:
@@ -56,6 +67,7 @@ class SurfelGrid {
   Device& device_;
   GridPlan plan_;
   bool camera_ = false;
+  SurfelSorting sorting_;
   uint32_t room_ = 0;
   Buffer counts_, offsets_, entries_;
   Buffer noTiles_;  ///< bound in place of depths of tiles that there are none of

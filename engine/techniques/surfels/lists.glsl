@@ -28,7 +28,7 @@ void visitCells(vec3 position, vec3 normal, float radius, uint id) {
   }
   for (uint region = 0u; region < kGridRegions; ++region) {
     vec3 low, high;
-    if (gridReach(position - frame.eye, extent, region, frame.gridInner, frame.gridEdge, frame.gridPerLog, low, high))
+    if (gridReach(position - frame.eye, extent, region, frame.grid, low, high))
       visitBox(low, high, frame.regions[region], id);
   }
 }

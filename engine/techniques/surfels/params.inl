@@ -42,7 +42,7 @@ PARAM_BOOL(spawn_at_hits, true, Live,
 PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit counts as having no surfel near when the surfels there weigh less than this.")
 PARAM_FLOAT(hit_reach, 2, 1, 2, 1, 2, Linear, Rebuild, "radii",
             "How far a surfel lights where rays land, at most the largest radius. At 2 what no pixel sees takes a quarter of the surfels, and later bounces are as much coarser. 1 in the thesis.")
-PARAM_ENUM(grid, SurfelGridKind, kGridUniform, Rebuild, "Cells by which surfels near a point are found.")
+PARAM_ENUM(grid, SurfelGridKind, kGridCamera, Rebuild, "Cells by which surfels near a point are found.")
 PARAM_INT(cell_limit, 512, 8, 4096, 16, 1024, Log, Live, "surfels", "A look-up reads at most so many surfels of its cell: those with the lowest numbers, in every frame the same. Cells beyond it are counted.")
 PARAM_FLOAT(ray_budget, 1, 0, 64, 0.25, 16, Log, Live, "rays a surfel", "Rays a frame, on average over all surfels. 0 casts none.")
 PARAM_BOOL(budget_in_view, false, Live, "ray_budget counts surfels in view whole and hidden ones by hidden_share, so that surfels left behind by a moving camera cost little. Off in the thesis: all count whole.")
@@ -51,12 +51,12 @@ PARAM_INT(rays_max, 16, 1, 256, 1, 64, Log, Live, "rays", "Most a surfel gets in
 PARAM_FLOAT(hidden_share, 0.5, 0.01, 1, 0.05, 1, Log, Live, "share", "Rays of a surfel that no pixel has seen for a while, against those of one in view.")
 PARAM_FLOAT(inconsistency_gain, 2, 0, 64, 0, 16, Linear, Live, "times", "How much inconsistency (short mean against long mean, in deviations) adds to a surfel's rays.")
 PARAM_FLOAT(young_rays, 16, 0, 256, 0, 64, Linear, Live, "rays",
-            "Rays beyond ray_budget for a surfel in view, times the share that a new sample has in its estimate: what a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
+            "Rays beyond ray_budget for a surfel in view at its first sample, fewer with each: n / (n + samples) of them, n being window_growth at first. What a moving camera finds is soon as quiet as what it has seen for long. Off in the thesis.")
 PARAM_ENUM(estimator, SurfelEstimator, kEstimatorMultiScale, Rebuild, "How rays become an estimate.")
 PARAM_FLOAT(hysteresis, 0.97, 0, 0.9999, 0.8, 0.999, Linear, Live, "share", "What ema keeps of its estimate in a frame.")
 PARAM_FLOAT(short_blend, 0.08, 0.001, 1, 0.01, 0.5, Log, Live, "share", "Share of a new sample in the short mean; half of it in the variance.")
 PARAM_FLOAT(window_growth, 12, 0, 256, 1, 64, Linear, Live, "parts",
-            "The long mean reaches back over the latest of so many parts of a surfel's samples at first, so that early ones without all bounces are forgotten; 0: min_blend alone (the thesis).")
+            "The long mean reaches back over the latest of so many parts of the cache's life at first, so that early samples without all bounces are forgotten; a surfel younger than that keeps all. 0: min_blend alone (the thesis).")
 PARAM_FLOAT(window_settle, 1024, 1, 1e6, 16, 4096, Log, Live, "samples", "After so many samples the number of parts has halved; it falls to 2.")
 PARAM_FLOAT(min_blend, 0.00048828125, 1e-6, 1, 1e-4, 0.1, Log, Live, "share", "Least share of a new sample in the long mean (1/256 in the thesis).")
 PARAM_FLOAT(change_samples, 16, 0, 65536, 0, 256, Linear, Live, "samples",

@@ -35,6 +35,7 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
       .uniform("frame", f)
       .dispatch(1);
   lastFrame_ = f;
+  age_ = f.age;
   ++frame_;
 }
 
@@ -120,6 +121,7 @@ void SurfelCache::recordRays(FrameGraph& graph, const shared::SurfelFrame& f, co
 
 void SurfelCache::recordUpdate(FrameGraph& graph, const shared::SurfelFrame& f, const SurfelsParams& params) {
   graph.compute("surfels: update estimate", "surfels/update_estimate.comp")
+      .bind("sites", sites_, Access::Read)
       .bind("states", states_, Access::ReadWrite)
       .bind("records", records_, Access::ReadWrite)
       .bind("totals", totals_, Access::ReadWrite)

@@ -68,9 +68,9 @@ PickReport SurfelCache::pick(const PickedPoint& point, const SurfelsParams& para
   shared::GridRegion region{vec3(0.0f), 0, plan.size};
   if (grid_->camera()) {
     const vec3 q = point.position - f.eye;
-    const uint32_t which = shared::gridRegionOf(q, f.gridInner);
+    const uint32_t which = shared::gridRegionOf(q, f.grid);
     region = f.regions[which];
-    coordinates = shared::gridCoordinates(q, which, f.gridInner, f.gridEdge, f.gridPerLog) - region.low;
+    coordinates = shared::gridCoordinates(q, which, f.grid) - region.low;
   }
   const uvec3 cell(glm::clamp(ivec3(glm::floor(coordinates)), ivec3(0), ivec3(region.size) - 1));
   const uint32_t index = region.firstCell + (cell.z * region.size.y + cell.y) * region.size.x + cell.x;

@@ -42,7 +42,8 @@ void main() {
   SurfelState s = SurfelState(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, 0u, frame.frame, frame.frame, 1u);
   if (seeded) {
     s.mean = s.shortMean = c.seed;
-    s.samples = surfels.seed_samples;
+    // An exponential average goes on from where its neighbours are, else its first samples would weigh more than theirs, and it would run ahead of them.
+    s.samples = surfels.estimator == kEstimatorEma ? max(surfels.seed_samples, 1.0 / max(1.0 - surfels.hysteresis, 1e-4)) : surfels.seed_samples;
   }
   s.priority = min(uint(kPriorityUnit * (1.0 + surfels.inconsistency_gain)), kMaxPriority);
   atomicAdd(totals.priority, s.priority);

@@ -96,9 +96,7 @@ struct SurfelFrame {
   uint cells;         ///< of the grid, whichever it is
   uint lists;         ///< cells, then tiles of the screen where these have lists
   uint entriesMost;   ///< room for surfels in lists
-  float gridInner;    ///< the camera's grid: half the cube's edge [m], a cell's edge over its distance, and 1 / log(1 + that)
-  float gridEdge;
-  float gridPerLog;
+  GridShape grid;     ///< the camera's, and its regions
   GridRegion regions[kGridRegions];
   vec3 eye;
   vec3 forward;       ///< unit; then what gives the picture's coordinates in [-1, 1]: right.(p - eye) / forward.(p - eye)
@@ -122,6 +120,7 @@ struct SurfelFrame {
   uint frozen;        ///< 1: nothing is placed or removed
   uint justFrozen;    ///< 1: since this frame
   uint lightChanged;  ///< 1: lights are not what they were
+  float age;          ///< frames since the cache began, or since lights changed as many as change_samples
 };
 
 /// Nearer to the eye than this share of the largest radius no surfel shrinks.

@@ -11,6 +11,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kDepthTest = false;
 layout(constant_id = 1) const bool kGuiding = false;
 
+layout(scalar) readonly buffer sites_block { Surfel sites[]; };
 layout(scalar) readonly buffer share_sums { uint shareSums[]; };
 layout(scalar) readonly buffer samples_block { RaySample samples[]; };
 layout(scalar) readonly buffer arrivals_block { vec4 arrivals[]; };
@@ -29,16 +30,22 @@ const float kNewborn = 16.0;                         ///< samples up to which a 
 float windowGrowth(float samples) {
   return surfels.window_growth > 0.0 ? max(min(surfels.window_growth, 2.0), surfels.window_growth / (1.0 + samples / surfels.window_settle)) : 0.0;
 }
+/// What has to be forgotten is how dark the whole cache began: a surfel that came when the others had learnt keeps all its samples (growth 1: a plain mean), until
+/// the window that surfels of the cache's age have has become shorter than its life.
+float windowGrowthOf(SurfelState s, uint birth) {
+  const float growth = windowGrowth(s.samples);
+  return growth > 1.0 ? max(1.0, growth * min(1.0, float(frame.frame - birth) / max(frame.age, 1.0))) : growth;
+}
 
 /// The new mean, with what one frame's rays brought on average.
-void addSample(inout SurfelState s, vec3 value) {
+void addSample(inout SurfelState s, uint birth, vec3 value) {
   const bool first = s.samples <= 0.0;
-  if (surfels.firefly_limit > 0.0 && !first) {
-    const vec3 limit = s.shortMean + surfels.firefly_limit * sqrt(s.variance) + kLeastDeviation * s.mean;
-    if (any(greaterThan(value, limit)) && s.samples > kNewborn) {
-      countOne(kCountFireflies);
-      value = min(value, limit);
-    }
+  if (surfels.firefly_limit > 0.0 && s.samples > kNewborn) {
+    // Where nothing has varied yet, no deviation is known: a limit of 0 would keep what has seen only black so far black for ever.
+    const vec3 cut = min(value, s.shortMean + surfels.firefly_limit * sqrt(s.variance) + kLeastDeviation * s.mean);
+    const vec3 kept = mix(value, cut, greaterThan(s.variance, vec3(0.0)));
+    if (kept != value) countOne(kCountFireflies);
+    value = kept;
   }
   if (first) {
     s.mean = s.shortMean = value;
@@ -63,7 +70,7 @@ void addSample(inout SurfelState s, vec3 value) {
     float catchUp = smoothstep(0.0, 1.0, difference * max(kLeastSlope, s.inconsistency - kInconsistencyKnee));
     catchUp = max(catchUp, surfels.min_blend) * s.blendReduction;
     s.blendReduction = mix(s.blendReduction, reduction, kReductionBlend);
-    const float growth = windowGrowth(s.samples);
+    const float growth = windowGrowthOf(s, birth);
     share = clamp(max(catchUp, growth / (s.samples + growth)), 0.0, 1.0);
     // What caught up forgets how many samples it rested on, and goes on from there.
     s.samples = min(s.samples + 1.0, max(growth, 1.0) / share);
@@ -78,7 +85,7 @@ void main() {
   if (s.priority == 0u) return;
   if (frame.lightChanged != 0u && surfels.change_samples > 0.0) s.samples = min(s.samples, surfels.change_samples);
   // A window of the latest n-th of N samples is worth N / n of them in a plain mean.
-  if (frame.justFrozen != 0u && surfels.estimator == kEstimatorMean) s.samples /= max(1.0, windowGrowth(s.samples));
+  if (frame.justFrozen != 0u && surfels.estimator == kEstimatorMean) s.samples /= max(1.0, windowGrowthOf(s, sites[id].birth));
   const uint first = frame.rays > 0u ? firstRay(shareSums[id]) : 0u, end = frame.rays > 0u ? firstRay(shareSums[id + 1u]) : 0u;
   const float radius = records[kRecordTexels * id].w;
   vec3 sum = vec3(0.0);
@@ -106,7 +113,7 @@ void main() {
   s.rays += end - first;
   if (count > 0.0) {
     const SurfelState before = s;
-    addSample(s, kPi * sum / count);
+    addSample(s, sites[id].birth, kPi * sum / count);
     if (isNotFinite(s.mean) || isNotFinite(s.shortMean) || isNotFinite(s.variance)) {  // sums of finite rays may overflow
       countOne(kCountInf);
       s = before;
