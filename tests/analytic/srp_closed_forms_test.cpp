@@ -50,7 +50,7 @@ TEST_F(SrpFurnace, CompressedTo32Vectors) {
                   std::sqrt(squares), h.counter("cpca_relative_error"), h.counter("compression_ratio"));
       EXPECT_GT(h.counter("cpca_relative_error"), 0);
       // Plain components bound the norm of what is missing and promise nothing about constant light (README.md).
-      EXPECT_NEAR(h.mean(e) / exact, 1, std::string(keep) == "true" ? 0.005 : 0.06) << clustering;
+      EXPECT_NEAR(h.mean(e) / exact, 1, std::string(keep) == "true" ? 0.005 : 0.1) << clustering;
     }
   }
 }

@@ -12,11 +12,11 @@ namespace {
 
 class SrpInvariances : public SessionTest {
  protected:
-  static Preset preset(const std::string& scene, uint32_t seed = 1) {
+  static Preset preset(const std::string& scene, uint32_t seed = 1, const char* rays = "128") {
     Preset p = smallPreset(scene, "srp");
     p.seed = seed;
     p.width = 32, p.height = 24;
-    p.parameters["srp.cache"] = "false", p.parameters["srp.compression"] = "none", p.parameters["srp.receiver_rays"] = "128";
+    p.parameters["srp.cache"] = "false", p.parameters["srp.compression"] = "none", p.parameters["srp.receiver_rays"] = rays, p.parameters["srp.probe_rays"] = "1024";
     return p;
   }
   static Image indirect(Session& session, const Preset& p) {
@@ -33,10 +33,10 @@ TEST_F(SrpInvariances, TurnedAndMirroredRoomsLookTheSame) {
                         {"a_quarter_about_z", mat3(vec3(0, 1, 0), vec3(-1, 0, 0), vec3(0, 0, 1)), false, false}};
   auto session = makeSession();
   const std::string asItIs = turnedRoom(folder, {"as_it_is", mat3(1), false, false});
-  const Image original = indirect(*session, preset(asItIs));
-  const double noise = rms(original, indirect(*session, preset(asItIs, 2))), mean = static_cast<double>(meanOf(original).y);
+  const Image original = indirect(*session, preset(asItIs, 1, "256"));
+  const double noise = rms(original, indirect(*session, preset(asItIs, 2, "256"))), mean = static_cast<double>(meanOf(original).y);
   for (const Turn& turn : turns) {
-    const Image turned = indirect(*session, preset(turnedRoom(folder, turn), 3));
+    const Image turned = indirect(*session, preset(turnedRoom(folder, turn), 3, "256"));
     const double off = rms(original, turned, turn.mirrors), there = static_cast<double>(meanOf(turned).y);
     std::printf("%s: differs by %.4f of the mean, two seeds by %.4f; mean %+.3f %%\n", turn.name, off / mean, noise / mean, 100 * (there / mean - 1));
     EXPECT_LE(off, 2 * noise) << turn.name;
