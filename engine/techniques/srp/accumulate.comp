@@ -47,7 +47,7 @@ void main() {
     float w = share * scale;
     factors[0] = 1.0;
     if (unit.rows > 1u) {
-      vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal);
+      vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));
       factors[1] = more.x, factors[2] = more.y, factors[3] = more.z;
     }
     for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {

@@ -4,12 +4,13 @@
 
 layout(scalar) readonly buffer directional_block { vec2 directional[]; };   // directionalTable()
 
-vec3 directionalFactors(vec3 direction, vec3 normal) {
+/// Samples are cosine distributed, so their density, which is divided out, is their height over the surface. `least`: what counts as that at least, so that no
+/// single sample that grazes the surface decides; of N stratified ones the lowest is at 1 / sqrt(N).
+vec3 directionalFactors(vec3 direction, vec3 normal, float least) {
   vec3 t, b;
   orthonormalBasis(normal, t, b);
   vec3 w = vec3(dot(direction, t), dot(direction, b), dot(direction, normal));
-  // The samples' density is their height, which is divided out; of those that graze the surface no single one may decide.
-  float height = clamp(w.z, 1e-3, 1.0);
+  float height = clamp(w.z, least, 1.0);
   float at = height * float(directional.length() - 1);
   uint low = min(uint(at), uint(directional.length()) - 2u);
   vec2 slope = mix(directional[low], directional[low + 1u], at - float(low)) / height;

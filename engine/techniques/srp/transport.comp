@@ -10,6 +10,9 @@ layout(local_size_x = 64) in;
 layout(constant_id = 1) const bool kDirectional = false;
 layout(constant_id = 2) const bool kReads = false;
 
+/// A read stands for several samples, and the direction to its lumel is no sample's own: it may be anywhere near the horizon.
+const float kLeastReadHeight = 0.2;
+
 layout(scalar) readonly buffer clusters_block { SrpCluster clusters[]; };
 layout(scalar) readonly buffer vectors_block { vec4 vectors[]; };
 layout(scalar) readonly buffer lumelOfReceiver_block { uint lumelOfReceiver[]; };
@@ -46,7 +49,7 @@ void main() {
       e += read;
       if (!kDirectional) continue;
       vec3 to = points[reads[i].lumel].position - points[lumel].position;
-      vec3 factors = directionalFactors(to == vec3(0.0) ? n : normalize(to), n);
+      vec3 factors = directionalFactors(to == vec3(0.0) ? n : normalize(to), n, kLeastReadHeight);
       x += factors.x * read, y += factors.y * read, z += factors.z * read;
     }
   }
