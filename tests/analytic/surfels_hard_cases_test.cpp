@@ -173,6 +173,24 @@ TEST(SurfelHardCase, InfAndNanAreCountedAndNeverEnterAnEstimate) {
   EXPECT_GT(h.mean(), 0.9 * before);
 }
 
+/// A guide that follows what a sequence of points has found, and a sequence that goes on regardless, are not independent: 6 % too much light here.
+TEST(SurfelHardCase, GuidedRaysBringTheSameLight) {
+  double light[2] = {0, 0};
+  for (const bool guided : {false, true}) {
+    SurfelsHarness h(loadScene("cornell_box"));
+    small(h);
+    h.set("surfels.guiding", guided ? "true" : "false").set("surfels.ray_budget", "4").set("surfels.young_rays", "0");
+    h.width = h.height = 48;
+    h.rebuild();
+    for (int i = 0; i < 120; ++i) {
+      h.frame(h.scene.cameras.front());
+      if (i % 10 == 9 && i >= 59) light[guided] += h.mean();
+    }
+  }
+  std::printf("guided: %.4f of the light\n", light[1] / light[0]);
+  EXPECT_NEAR(light[1] / light[0], 1, 0.015);
+}
+
 /// A limit in deviations of what has never varied would be 0, and what has seen only black so far would stay black for ever.
 TEST(SurfelHardCase, AFireflyLimitLetsTheFirstLightIn) {
   SurfelsHarness h(loadScene("furnace_box_050"));
