@@ -9,13 +9,13 @@
 namespace hl {
 namespace {
 
-/// Receivers and columns of a cluster, and the vectors that it keeps at most.
+/// Rows and columns of a cluster's matrix, and the vectors that it keeps at most.
 struct MatrixSize {
   double rows = 0, columns = 0, rank = 0;
 };
 MatrixSize sizeOf(const ReceiverCluster& c, const SrpParams& params, uint32_t coefficients) {
   MatrixSize s;
-  s.rows = c.receivers, s.columns = static_cast<double>(c.probes.size()) * coefficients;
+  s.rows = static_cast<double>(c.receivers) * rowsOf(params), s.columns = static_cast<double>(c.probes.size()) * coefficients;
   s.rank = std::min({static_cast<double>(params.pca_vectors), s.rows, s.columns});
   return s;
 }
@@ -31,9 +31,9 @@ std::vector<WorkPart> transportWork(const ReceiverClusters& clusters, size_t fir
     const ReceiverCluster& c = clusters.clusters[i];
     const double samples = static_cast<double>(c.receivers) * params.receiver_rays, questions = samples * c.slots;
     rays.amount += samples + questions;
-    sums.amount += questions * coefficients;
+    sums.amount += questions * coefficients * rowsOf(params);
     const MatrixSize m = sizeOf(c, params, coefficients);
-    decompositions.amount += params.compression == kCompressionNone ? m.rows * m.columns : decompositionWork(c.receivers, static_cast<uint32_t>(m.columns), static_cast<uint32_t>(params.pca_vectors));
+    decompositions.amount += params.compression == kCompressionNone ? m.rows * m.columns : decompositionWork(static_cast<uint32_t>(m.rows), static_cast<uint32_t>(m.columns), static_cast<uint32_t>(params.pca_vectors));
   }
   return {rays, sums, decompositions};
 }

@@ -5,8 +5,8 @@
 
 namespace hl {
 
-/// Work in clusters [first, last), all of their samples. A cluster of m receivers, c columns and at most q probes a receiver: m samples rays and m samples q
-/// questions, as many times `coefficients` sums, and what a decomposition of m x c takes in multiplications.
+/// Work in clusters [first, last), all of their samples. A cluster of m receivers and at most q probes a receiver: m samples rays and m samples q
+/// questions, as many times `coefficients` and rows a receiver sums, and what the decomposition of its matrix takes in multiplications.
 std::vector<WorkPart> transportWork(const ReceiverClusters&, size_t first, size_t last, const SrpParams&, uint32_t coefficients);
 
 /// Rays of probes, which are cast anew each time.
