@@ -62,22 +62,43 @@ void LightmapImages::recordMeans(FrameGraph& graph, const char* what, const Buff
       .dispatchThreads(static_cast<uint32_t>(side_), static_cast<uint32_t>(side_));
 }
 
-void LightmapImages::record(FrameGraph& graph, const Buffer& values) {
-  const auto side = static_cast<uint32_t>(side_);
+void LightmapImages::write(FrameGraph& graph, const Buffer& values, uint32_t channel, const GpuImage& to) const {
   graph.compute(prefix_ + ": write lightmap", "passes/lightmap_write.comp")
       .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
       .bind("values", values, Access::Read)
-      .bind("lightmap", lightmap_, Access::Write)
+      .bind("lightmap", to, Access::Write)
       .specialize("kSums", 0)
-      .dispatchThreads(side, side);
+      .specialize("kChannel", channel)
+      .dispatchThreads(static_cast<uint32_t>(side_), static_cast<uint32_t>(side_));
+}
+
+void LightmapImages::dilate(FrameGraph& graph, const GpuImage& from, const GpuImage& to, bool firstRing, bool belowZero) const {
+  graph.compute(prefix_ + ": dilate", "passes/lightmap_dilate.comp")
+      .bind("chartOfTexel", chartOfTexel_, Access::Read)
+      .bind("from", from, Access::Read)
+      .bind("to", to, Access::Write)
+      .specialize("kFirstRing", firstRing)
+      .specialize("kBelowZero", belowZero)
+      .dispatchThreads(static_cast<uint32_t>(side_), static_cast<uint32_t>(side_));
+}
+
+void LightmapImages::record(FrameGraph& graph, const Buffer& values) {
+  write(graph, values, 0, lightmap_);
   if (dilation_ == 0) graph.skip(prefix_ + ": dilate", "lightmap.dilation is 0");
-  for (int ring = 0; ring < dilation_; ++ring) {
-    graph.compute(prefix_ + ": dilate", "passes/lightmap_dilate.comp")
-        .bind("chartOfTexel", chartOfTexel_, Access::Read)
-        .bind("from", ring % 2 == 0 ? lightmap_ : spare_, Access::Read)
-        .bind("to", ring % 2 == 0 ? spare_ : lightmap_, Access::Write)
-        .specialize("kFirstRing", ring == 0)
-        .dispatchThreads(side, side);
+  for (int ring = 0; ring < dilation_; ++ring) dilate(graph, ring % 2 == 0 ? lightmap_ : spare_, ring % 2 == 0 ? spare_ : lightmap_, ring == 0, false);
+}
+
+void LightmapImages::recordSlopes(FrameGraph& graph, const Buffer& slopes) {
+  if (!slopes_[0]) {
+    const char* names[] = {"slopes of red", "slopes of green", "slopes of blue"};
+    for (size_t i = 0; i < 3; ++i) slopes_[i] = image(names[i]);
+    if (dilation_ > 0) slopeSpare_ = image("dilated slopes");
+  }
+  for (uint32_t channel = 0; channel < 3; ++channel) {
+    // Begun so that the last ring ends in the channel's own image, and one spare serves all.
+    const auto target = [&](int ring) { return (dilation_ - ring) % 2 == 0 ? slopes_[channel] : slopeSpare_; };
+    write(graph, slopes, channel, target(0));
+    for (int ring = 0; ring < dilation_; ++ring) dilate(graph, target(ring), target(ring + 1), ring == 0, true);
   }
 }
 
@@ -86,7 +107,8 @@ void LightmapImages::skip(FrameGraph& graph, const char* reason) const {
   graph.skip(prefix_ + ": dilate", reason);
 }
 
-void LightmapImages::recordPixels(FrameGraph& graph, const std::string& pass, const GBuffer& g, const GpuImage& to, bool nearest, bool checker) {
+void LightmapImages::recordPixels(FrameGraph& graph, const std::string& pass, const GBuffer& g, const GpuImage& to, bool nearest, bool checker,
+                                  bool mapped) {
   if (!checker) {
     graph.clear(prefix_ + ": clear pixel counters", pixelCounters_);
     counted_ = true;
@@ -99,10 +121,14 @@ void LightmapImages::recordPixels(FrameGraph& graph, const std::string& pass, co
       .bind("chartOfTriangle", chartOfTriangle_, Access::Read)
       .bind("chartOfTexel", chartOfTexel_, Access::Read)
       .bind("lightmap", dilated_, Access::Read)
+      .bind("slopesRed", mapped ? slopes_[0] : dilated_, Access::Read)
+      .bind("slopesGreen", mapped ? slopes_[1] : dilated_, Access::Read)
+      .bind("slopesBlue", mapped ? slopes_[2] : dilated_, Access::Read)
       .bind("result", to, Access::Write)
       .bind("pixelCounters", pixelCounters_, Access::ReadWrite)
       .specialize("kNearest", nearest)
       .specialize("kChecker", checker)
+      .specialize("kMapped", mapped)
       .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
 }
 
@@ -116,7 +142,7 @@ std::vector<std::pair<std::string, uint64_t>> LightmapImages::memory() const {
   uint64_t tables = 0, images = 0;
   for (const Buffer* b : {&lumelOfTexel_, &chartOfTexel_, &chartOfTriangle_}) tables += b->size();
   const uint64_t texels = static_cast<uint64_t>(side_) * static_cast<uint64_t>(side_);
-  images = 16 * texels * (spare_ ? 2 : 1);
+  images = 16 * texels * ((spare_ ? 2 : 1) + (slopes_[0] ? 3 : 0) + (slopeSpare_ ? 1 : 0));
   return {{"texel tables", tables}, {"lightmap", images}, {"atlas views", 8 * texels}};
 }
 

@@ -37,7 +37,8 @@ PathTracer::PathTracer(const EmbreeScene& embree, const ReferenceSettings& setti
       emitters_(scene_),
       environment_(scene_.environment),
       frontFacesOnly_(settings.frontFacesOnly),
-      mapped_(settings.receiver == ReceiverNormal::Mapped),
+      mappedReceiver_(settings.receiver != ReceiverNormal::Geometric),
+      mappedBounces_(settings.receiver == ReceiverNormal::Mapped),
       maxBounces_(settings.maxBounces) {
   Bounds bounds;
   for (const uvec3& t : scene_.indices)
@@ -75,7 +76,7 @@ bool PathTracer::receives(const Receiver& r) const {
 ShadingPoint PathTracer::shadingPoint(const Receiver& r) const {
   ShadingPoint p;
   p.geometricNormal = r.geometricNormal;
-  p.normal = mapped_ ? r.mappedNormal : r.geometricNormal;
+  p.normal = mappedReceiver_ ? r.mappedNormal : r.geometricNormal;
   p.origin = r.position + r.geometricNormal * receiverOffset_;
   return p;
 }
@@ -183,7 +184,7 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
   Hit hit = embree_.closest(rayFrom(receiver.origin, direction));
   vec3 throughput(kPi);  // of radiance along `direction`, towards the receiver's irradiance
   for (int bounce = 0; hit.primitive != shared::kMiss; ++bounce) {
-    const Surface y = surfaceAt(scene_, hit, direction, mapped_);
+    const Surface y = surfaceAt(scene_, hit, direction, mappedBounces_);
     if (y.backFace && (!y.twoSided || frontFacesOnly_)) {
       ++counters.backFaceHits;
       return;

@@ -68,7 +68,7 @@ class PathTracer {
   Emitters emitters_;
   EnvironmentLight environment_;
   std::vector<Lamp> lamps_;
-  bool frontFacesOnly_, mapped_;
+  bool frontFacesOnly_, mappedReceiver_, mappedBounces_;
   int maxBounces_;
   float hitOffset_ = 0, receiverOffset_ = 0;
 };

@@ -48,7 +48,7 @@ struct ReferenceResult {
 /// Progressive and resumable: each `advance` adds one numbered pass (a fixed number of samples a pixel). The result after pass n does not depend
 /// on slices, threads or cancellation.
 ///
-/// receiver == Mapped weighs light with the mapped (or smooth) normal at the receiver and at every bounce; Geometric with the triangle's own.
+/// receiver == Mapped weighs light with the mapped (or smooth) normal at the receiver and at every bounce; Geometric with the triangle's own; MappedAtReceiver with each where its name says.
 class ReferenceTracer {
  public:
   /// @throws Error(BadInput) where the receivers are not width x height.

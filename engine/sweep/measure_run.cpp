@@ -137,7 +137,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   const FramePointer made = runWithin(session, e, metrics, record, p);
   const Transport t = session.transport();
   record.transport = fmt::format("{} bounces, {} faces, {} normals", t.bounces, t.frontFacesOnly ? "front" : "all",
-                                 t.receiver == ReceiverNormal::Mapped ? "mapped" : "geometric");
+                                 t.receiver == ReceiverNormal::Mapped ? "mapped" : t.receiver == ReceiverNormal::Geometric ? "geometric" : "mapped receivers' and geometric");
   record.provenance = made->provenance;
   results.frame = made;
   if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);

@@ -2,7 +2,9 @@
 // Which light paths a technique models, so that the reference can be limited to exactly these.
 namespace hl {
 
-enum class ReceiverNormal { Geometric, Mapped };
+/// Which normal weighs incoming light: the triangle's own, the smooth one tilted by the normal map, or that one where light is received for the last time
+/// and the triangle's own at each bounce before.
+enum class ReceiverNormal { Geometric, Mapped, MappedAtReceiver };
 
 struct Transport {
   int bounces = 16;                  ///< indirect bounces; kAllBounces for all

@@ -7,6 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const bool kNearest = false;
 layout(constant_id = 1) const bool kChecker = false;  ///< every second texel dimmed
+layout(constant_id = 2) const bool kMapped = false;   ///< for the mapped normal, by the slopes
 
 layout(rgba32f) readonly uniform image2D position;
 layout(rgba32f) readonly uniform image2D normal;
@@ -15,15 +16,22 @@ layout(rg32ui) readonly uniform uimage2D ids;
 layout(scalar) readonly buffer chartOfTriangle_block { uint chartOfTriangle[]; };
 layout(scalar) readonly buffer chartOfTexel_block { uint chartOfTexel[]; };
 layout(rgba32f) readonly uniform image2D lightmap;
+layout(rgba32f) readonly uniform image2D slopesRed;
+layout(rgba32f) readonly uniform image2D slopesGreen;
+layout(rgba32f) readonly uniform image2D slopesBlue;
 layout(rgba32f) writeonly uniform image2D result;
 layout(scalar) buffer pixelCounters_block { uint pixelCounters[]; };  // pixels without a texel
+
+mat3 slopes = mat3(0.0);  ///< sums like the values: a column a channel
 
 void add(ivec2 texel, float weight, uint chart, inout vec4 sum) {
   ivec2 size = imageSize(lightmap);
   if (weight <= 0.0 || any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, size))) return;
   if (chartOfTexel[uint(texel.y * size.x + texel.x)] != chart) return;
   vec4 v = imageLoad(lightmap, texel);
-  if (v.w > 0.0) sum += weight * vec4(v.xyz, 1.0);
+  if (v.w <= 0.0) return;
+  sum += weight * vec4(v.xyz, 1.0);
+  if (kMapped) slopes += weight * mat3(imageLoad(slopesRed, texel).xyz, imageLoad(slopesGreen, texel).xyz, imageLoad(slopesBlue, texel).xyz);
 }
 
 void main() {
@@ -43,6 +51,8 @@ void main() {
       add(low + ivec2(0, 1), (1.0 - f.x) * f.y, chart, sum);
       add(low + ivec2(1, 1), f.x * f.y, chart, sum);
     }
+    // slopes' columns are channels, so a row vector times it has one product a channel.
+    if (kMapped) sum.xyz = max(sum.xyz + (imageLoad(normal, pixel).xyz - imageLoad(geometricNormal, pixel).xyz) * slopes, vec3(0.0));
     if (sum.w > 0.0) value = vec4(sum.xyz / sum.w, 1.0);
     else if (!kChecker) atomicAdd(pixelCounters[0], 1u);
     ivec2 texel = ivec2(floor(p));

@@ -8,6 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const bool kFirstRing = false;
+layout(constant_id = 1) const bool kBelowZero = false;  ///< values may be negative
 
 layout(scalar) readonly buffer chartOfTexel_block { uint chartOfTexel[]; };
 layout(rgba32f) readonly uniform image2D from;
@@ -34,7 +35,7 @@ void main() {
         if (step == ivec2(0) || v.w == 0.0) continue;
         if (kFirstRing && chart != kMixedChart) {
           vec4 behind = valueAt(texel + 2 * step, size, chart);
-          if (behind.w > 0.0) v.xyz = max(2.0 * v.xyz - behind.xyz, vec3(0.0));
+          if (behind.w > 0.0) v.xyz = kBelowZero ? 2.0 * v.xyz - behind.xyz : max(2.0 * v.xyz - behind.xyz, vec3(0.0));
         }
         sum += vec4(v.xyz, 1.0);
       }

@@ -2,17 +2,21 @@
 #extension GL_GOOGLE_include_directive : require
 // Adds a unit's samples of the transport kernel to the cluster's matrix: one thread a receiver and probe, so that sums run in one order.
 #include "engine/techniques/srp/unit.h"
+#include "engine/techniques/srp/directional.glsl"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
+#include "shaders/shared/surface_point.h"
 
 layout(local_size_x = 64) in;
 
 layout(scalar) readonly buffer hits_block { Hit hits[]; };
+layout(scalar) readonly buffer rays_block { Ray rays[]; };
+layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) readonly buffer questions_block { Ray questions[]; };
 layout(scalar) readonly buffer shares_block { float shares[]; };
 layout(scalar) readonly buffer scales_block { float scales[]; };
-layout(scalar) buffer matrix_block { float matrix[]; };  // receivers x columns
+layout(scalar) buffer matrix_block { float matrix[]; };  // rows x receivers x columns
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
 layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
@@ -29,6 +33,7 @@ void main() {
     valid[receiver] += count;
   }
   if (!(n.weight > 0.0)) return;
+  float factors[kSrpDirectionalRows];  ///< of a sample in the receiver's rows
   uint base = receiver * unit.columns + n.column;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
@@ -40,9 +45,18 @@ void main() {
     vec3 direction = questions[question].direction;
     if (hits[r].primitive != kMiss) direction = -normalize(direction);
     float w = share * scale;
+    factors[0] = 1.0;
+    if (unit.rows > 1u) {
+      vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));
+      factors[1] = more.x, factors[2] = more.y, factors[3] = more.z;
+    }
     for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
-      matrix[base + uint(shIndex(y.l, y.m))] += w * shValue(y);
-      if (y.m > 0) matrix[base + uint(shIndex(y.l, -y.m))] += w * shMirroredValue(y);
+      float value = w * shValue(y), mirrored = y.m > 0 ? w * shMirroredValue(y) : 0.0;
+      for (uint row = 0u; row < unit.rows; ++row) {
+        uint at = base + row * unit.receivers * unit.columns;
+        matrix[at + uint(shIndex(y.l, y.m))] += factors[row] * value;
+        if (y.m > 0) matrix[at + uint(shIndex(y.l, -y.m))] += factors[row] * mirrored;
+      }
     }
   }
 }

@@ -8,9 +8,9 @@ namespace hl {
 
 /// The transport of one cluster, compressed or not.
 struct ClusterTransport {
-  uint32_t receivers = 0, columns = 0, rank = 0;
+  uint32_t receivers = 0, rows = 1, columns = 0, rank = 0;
   std::vector<float> basis;      ///< rank x columns; empty without compression, where rank is columns
-  std::vector<float> weights;    ///< receivers x rank: irradiance is the weights times the cluster's light vector
+  std::vector<float> weights;    ///< (rows x receivers) x rank: irradiance, and what else rows stand for (unit.h), is the weights times the cluster's light vector
   std::vector<float> valid;      ///< one a receiver: share of its samples that some probe can speak for
   std::vector<uint32_t> readsOf; ///< one a receiver: how many of `reads` are its own, which follow those of the receivers before it; empty where nothing is read
   std::vector<shared::SrpRead> reads;  ///< lumels that stand for what no probe sees

@@ -12,8 +12,9 @@ namespace hl {
 ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
   const auto all = static_cast<float>(params.receiver_rays);
   ClusterTransport t;
-  t.receivers = sums.receivers, t.columns = sums.columns;
+  t.receivers = sums.receivers, t.rows = sums.rows, t.columns = sums.columns;
   std::vector<float>& alpha = sums.matrix;
+  const uint32_t rows = sums.receivers * sums.rows;
   const size_t strata = sums.receivers > 0 ? sums.strata.size() / sums.receivers : 0;
   for (size_t r = 0; r < sums.receivers; ++r) {
     t.valid.push_back(sums.valid[r] / all);
@@ -27,7 +28,8 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
       }
       t.readsOf.push_back(static_cast<uint32_t>(t.reads.size() - before));
     }
-    for (size_t i = 0; i < sums.columns; ++i) alpha[r * sums.columns + i] *= scale;
+    for (size_t row = r; row < rows; row += sums.receivers)
+      for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
   }
   if (params.compression == kCompressionNone) {
     for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
@@ -39,8 +41,8 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
   settings.most = static_cast<uint32_t>(params.pca_vectors);
   settings.tolerance = static_cast<double>(params.pca_tolerance);
   settings.seed = seed;
-  if (params.pca_keep_constant) settings.keep = constantLights(alpha, sums.receivers, sums.columns, sums.coefficients);
-  Components p = principalComponents(alpha, sums.receivers, sums.columns, settings);
+  if (params.pca_keep_constant) settings.keep = constantLights(alpha, rows, sums.columns, sums.coefficients);
+  Components p = principalComponents(alpha, rows, sums.columns, settings);
   t.rank = p.rank;
   t.basis = std::move(p.basis);
   t.weights = std::move(p.weights);

@@ -31,6 +31,12 @@ PARAM_ENUM_VALUE(kSampleWeightAll, 1, "all", "The mean is over all samples: what
 PARAM_ENUM_VALUE(kSampleWeightSurface, 2, "surface", "What no probe sees is read off the lightmap where the ray ends, surface_reads times a receiver at most.")
 PARAM_ENUM_END(SrpSampleWeight)
 
+PARAM_ENUM_BEGIN(SrpReceivers)
+PARAM_ENUM_VALUE(kReceiversIrradiance, 0, "irradiance", "Irradiance for the surface's own normal: one transport vector a receiver (the thesis).")
+PARAM_ENUM_VALUE(kReceiversDirectional, 1, "directional",
+                 "How irradiance changes with the normal besides, for smooth normals and normal maps: four vectors a receiver, and four times the matrices.")
+PARAM_ENUM_END(SrpReceivers)
+
 PARAM_ENUM_BEGIN(SrpProbeShare)
 PARAM_ENUM_VALUE(kShareDistance, 0, "distance", "By the probe's distance from the receiver alone (the thesis, equation 4.4).")
 PARAM_ENUM_VALUE(kShareSolidAngle, 1, "solid_angle", "By that, times the solid angle under which the probe sees what the receiver sees: bands blur it over as many square metres as that angle is small.")
@@ -43,6 +49,7 @@ PARAM_INT(sh_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
 PARAM_INT(receiver_rays, 1024, 16, 16384, 64, 4096, Log, Rebuild, "rays", "Rays a receiver casts once, to find what it sees. Precomputation time grows with them.")
 PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
           "Rays a probe casts once. What they hit is looked up in the lightmap in every frame.")
+PARAM_ENUM(receivers, SrpReceivers, kReceiversIrradiance, Rebuild, "What receivers know of the light that reaches them.")
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
 PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")

@@ -6,6 +6,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
+#include "engine/techniques/srp/directional.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -15,7 +16,7 @@ namespace {
 /// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 
 /// What every device takes as groups along y.
 constexpr size_t kMostClusters = 65535;
@@ -30,6 +31,7 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   reads_ = params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
   const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
+  rows_ = params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1;
   offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
   progress.begin("receivers and their probes", 1);
   clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
@@ -47,7 +49,7 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
   if (store) finished = store->read(clusters_.clusters.size());
   for (size_t i = 0; i < finished.size(); ++i) {
     const ReceiverCluster& c = clusters_.clusters[i];
-    if (finished[i].receivers == c.receivers && finished[i].columns == c.probes.size() * coefficients_) continue;
+    if (finished[i].receivers == c.receivers && finished[i].rows == rows_ && finished[i].columns == c.probes.size() * coefficients_) continue;
     throw Error(ErrorKind::Run, store->file().string() + ": does not fit what it was made for; delete it");
   }
   fromDisk_ = cluster_ = finished.size();
@@ -66,7 +68,7 @@ std::string Precomputation::key(const SceneView& scene) const {
   h.array(scene.probes->positions);
   h.value<uint64_t>(scene.atlas->lumels.size());
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
-  h.value(params_.sh_order).value(params_.receiver_rays).value(params_.support).value(params_.radius).value(params_.k);
+  h.value(params_.sh_order).value(params_.receiver_rays).value(params_.receivers).value(params_.support).value(params_.radius).value(params_.k);
   h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.pca_keep_constant).value(params_.clustering).value(params_.cluster_size);
   h.value(params_.environment_rays).value(params_.sample_weight).value(reads_).value(params_.probe_share);
   return h.hex();
@@ -78,7 +80,7 @@ void Precomputation::allocate(const SceneView& scene) {
   const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
   uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
   for (const ReceiverCluster& c : clusters_.clusters) {
-    matrix = std::max<uint64_t>(matrix, uint64_t{c.receivers} * c.probes.size() * coefficients_);
+    matrix = std::max<uint64_t>(matrix, uint64_t{c.receivers} * rows_ * c.probes.size() * coefficients_);
     near = std::max<uint64_t>(near, c.near.size());
     receivers = std::max<uint64_t>(receivers, c.receivers);
     slots = std::max<uint64_t>(slots, c.slots);
@@ -121,6 +123,7 @@ void Precomputation::allocate(const SceneView& scene) {
   questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
   shares_ = device_.buffer("srp: shares", sizeof(float) * unitQuestions_);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
+  directional_ = device_.buffer("srp: slopes of irradiance", std::span<const vec2>(directionalTable()));
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
@@ -169,7 +172,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.firstSample = sample_, unit.samples = samples;
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
-  unit.order = params_.sh_order, unit.offset = offset_;
+  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = rows_;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
@@ -196,6 +199,9 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .push(unit)
       .dispatchThreads(rays);
   graph.compute("srp: accumulate", "srp/accumulate.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("points", points_, Access::Read)
+      .bind("directional", directional_, Access::Read)
       .bind("hits", hits_, Access::Read)
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
@@ -238,7 +244,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
       .read(valid_)
       .read(strata_)
       .read(answered_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, receivers = c.receivers,
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, receivers = c.receivers, rows = rows_,
             columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
         if (reads > 0) {
@@ -247,8 +253,8 @@ void Precomputation::recordCompression(FrameGraph& graph) {
           sums.strata.assign(all.begin(), all.end());
           sums.answered.assign(known.begin(), known.end());
         }
-        sums.receivers = receivers, sums.columns = columns, sums.coefficients = coefficients;
-        const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * columns), counts = memory.span<float>(valid).first(receivers);
+        sums.receivers = receivers, sums.rows = rows, sums.columns = columns, sums.coefficients = coefficients;
+        const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * rows * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
         sums.valid.assign(counts.begin(), counts.end());
         compressor->add(std::move(sums));
@@ -257,7 +263,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {

@@ -44,7 +44,7 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_;
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
   size_t compressions_ = 1;       ///< at once
@@ -52,7 +52,7 @@ class Precomputation {
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;
   float offset_ = 0;
-  uint32_t coefficients_ = 1;
+  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a receiver
 };
 
 }  // namespace hl

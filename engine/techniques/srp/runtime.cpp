@@ -9,6 +9,7 @@
 
 #include "engine/core/error.h"
 #include "engine/core/spherical_harmonics64.h"
+#include "engine/techniques/srp/directional.h"
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -39,6 +40,8 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   reflectance_ = device_.buffer("srp: reflectance", std::span<const vec4>(tables.reflectance));
   direct_ = device_.buffer("srp: direct", lumels_ * sizeof(vec4));
   irradiance_ = device_.buffer("srp: irradiance", lumels_ * sizeof(vec4));
+  directionalTable_ = device_.buffer("srp: table of slopes", std::span<const vec2>(directionalTable()));
+  slopes_ = device_.buffer("srp: slopes of irradiance", (directional() ? uint64_t{kSlopes} * lumels_ : 1) * sizeof(vec4));
   noIrradiance_ = device_.buffer("srp: no irradiance", lumels_ * sizeof(vec4));
   radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
   basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, params.sh_order)));
@@ -114,7 +117,7 @@ void SrpRuntime::uploadPages(const ReceiverClusters& all, std::span<const Cluste
     numbers.insert(numbers.end(), t.basis.begin(), t.basis.end());
     g.weights = static_cast<uint32_t>(numbers.size());
     for (uint32_t k = 0; k < t.rank; ++k)
-      for (uint32_t r = 0; r < t.receivers; ++r) numbers.push_back(t.weights[size_t{r} * t.rank + k]);
+      for (uint32_t r = 0; r < t.receivers * t.rows; ++r) numbers.push_back(t.weights[size_t{r} * t.rank + k]);
     probes.insert(probes.end(), c.probes.begin(), c.probes.end());
     vectors += t.rank;
     clusters.push_back(g);
@@ -147,6 +150,7 @@ void SrpRuntime::record(FrameGraph& graph) {
   if (clearWanted_) {
     graph.clear("srp: clear irradiance", irradiance_);
     graph.clear("srp: clear irradiance", noIrradiance_);
+    graph.clear("srp: clear irradiance", slopes_);
     graph.clear("srp: clear probes", coefficients_);
   }
   clearWanted_ = false;
@@ -228,10 +232,14 @@ void SrpRuntime::recordClusters(FrameGraph& graph) {
         .bind("lumelOfReceiver", lumelOfReceiver_, Access::Read)
         .bind("irradiance", irradiance_, Access::Write)
         .bind("counters", counters_, Access::ReadWrite)
+        .bind("points", points_, Access::Read)
+        .bind("directional", directionalTable_, Access::Read)
+        .bind("slopes", slopes_, Access::Write)
         .bind("firstRead", firstRead_, Access::Read)
         .bind("reads", reads_, Access::Read)
         .bind("radiance", radiance_, Access::Read)
         .specialize("kHalf", half)
+        .specialize("kDirectional", directional() ? 1 : 0)
         .specialize("kReads", anyReads_ ? 1 : 0)
         .push(batch)
         .dispatch((page.mostReceivers + kLanes - 1) / kLanes, page.clusters);
@@ -248,7 +256,7 @@ uint64_t SrpRuntime::readBytes() const { return anyReads_ ? firstRead_.size() + 
 
 std::vector<MemoryItem> SrpRuntime::memory() const {
   uint64_t lumels = 0, probes = 0;
-  for (const Buffer* b : {&points_, &reflectance_, &direct_, &irradiance_, &noIrradiance_, &radiance_, &lumelOfReceiver_}) lumels += b->size();
+  for (const Buffer* b : {&points_, &reflectance_, &direct_, &irradiance_, &slopes_, &noIrradiance_, &radiance_, &lumelOfReceiver_}) lumels += b->size();
   for (const Buffer* b : {&codes_, &basis_, &partSums_, &coefficients_}) probes += b->size();
   return {{"transport matrices", matrixBytes()}, {"surfaces read", readBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
 }

@@ -27,6 +27,9 @@ class SrpRuntime {
 
   uint32_t directSamples() const;
   const Buffer& irradiance() const { return irradiance_; }  ///< vec4 a lumel
+  /// How it changes with the normal, where receivers are directional: one vector (vec4) a channel and lumel, all lumels' red ones first.
+  const Buffer& slopes() const { return slopes_; }
+  bool directional() const { return params_.receivers == kReceiversDirectional; }
   const Buffer& direct() const { return direct_; }          ///< vec4 a lumel: sum; w: samples
   const Buffer& coefficients() const { return coefficients_; }  ///< vec4 a probe and coefficient
   std::vector<MemoryItem> memory() const;
@@ -39,6 +42,7 @@ class SrpRuntime {
   Counts counts() const;                                    ///< in the last frame. Blocking.
 
  private:
+  static constexpr uint32_t kSlopes = 3;  ///< a lumel: of red, green and blue
   struct Page {
     Buffer words;
     uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0;
@@ -54,7 +58,7 @@ class SrpRuntime {
   SrpParams params_;
   uint32_t lumels_ = 0, probes_ = 0, coefficientCount_ = 1, parts_ = 1;
   std::vector<Page> pages_;
-  Buffer points_, reflectance_, direct_, irradiance_, noIrradiance_, radiance_, codes_, basis_, partSums_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, firstRead_, reads_, counters_;
+  Buffer points_, reflectance_, direct_, irradiance_, slopes_, directionalTable_, noIrradiance_, radiance_, codes_, basis_, partSums_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, firstRead_, reads_, counters_;
   bool anyReads_ = false;
   uint32_t directSample_ = 0, frame_ = 0;
   bool clearWanted_ = true, clearDirectWanted_ = true;

@@ -50,7 +50,7 @@ class Srp final : public Technique {
     Transport t;
     t.bounces = params_.multi_bounce ? kAllBounces : 1;
     t.frontFacesOnly = true;
-    t.receiver = ReceiverNormal::Geometric;
+    t.receiver = directional() ? ReceiverNormal::MappedAtReceiver : ReceiverNormal::Geometric;
     return t;
   }
 
@@ -127,7 +127,8 @@ class Srp final : public Technique {
     runtime_->record(graph);
     images_->record(graph, runtime_->irradiance());
     result_ = pixelImage(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
-    images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false);
+    if (directional()) images_->recordSlopes(graph, runtime_->slopes());
+    images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false, directional());
     if (in.view == kTexelsView) {
       texels_ = pixelImage(gpu_->device, texels_, "srp: texels", in.gbuffer);
       images_->recordPixels(graph, "srp: show texels", in.gbuffer, texels_, true, true);
@@ -228,7 +229,7 @@ class Srp final : public Technique {
     Summary s;
     s.clusters = transport.size(), s.leastValid = params_.least_valid;
     for (const ClusterTransport& t : transport) {
-      s.numbers += static_cast<double>(t.receivers) * static_cast<double>(t.columns);
+      s.numbers += static_cast<double>(t.receivers) * t.rows * static_cast<double>(t.columns);
       s.reads += static_cast<double>(t.reads.size());
       s.total += t.total, s.discarded += t.discarded;
       s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));
@@ -236,6 +237,8 @@ class Srp final : public Technique {
     }
     return summary_ = s;
   }
+
+  bool directional() const { return params_.receivers == kReceiversDirectional; }
 
   void drop() {
     summary_ = {};

@@ -24,11 +24,16 @@ struct SrpUnit {
   uint environment;   ///< 1: rays into the open ask too
   int order;
   float offset;       ///< of rays that start at a hit, in front of it [m]
+  uint rows;          ///< a receiver: 1, or kSrpDirectionalRows
   uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
   uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
   uint allSamples;    ///< of a receiver, in all units
   uint resolution;    ///< of the lightmap
 };
+
+/// Rows of the matrix that a directional receiver has: its irradiance, and the three parts of irradiance's change with the normal, in the frame that
+/// orthonormalBasis gives for its own. All receivers' first rows come first, then their second ones.
+HL_CONST uint kSrpDirectionalRows = 4u;
 
 /// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
 HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
