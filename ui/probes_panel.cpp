@@ -122,9 +122,20 @@ void ProbesPanel::read() {
   if (!placed) {
     text = tr("%n probes by hand. ", nullptr, static_cast<int>(document_.probes().size())) + tr("The technique shown now has placed none.");
   } else {
-    text = tr("%n probes see %1 % of all surface, placed in %2 s.", nullptr, static_cast<int>(placed->count())).arg(100 * placed->coverage, 0, 'f', 1).arg(placed->seconds, 0, 'f', 2);
-    if (placed->candidates > placed->count())
-      text += tr(" Of %1 places %2 are inside geometry, %3 too near to surfaces, %4 seen by others.").arg(placed->candidates).arg(placed->rejectedInside).arg(placed->rejectedNear).arg(placed->merged);
+    // As they were placed: another placement may wait for its rebuild.
+    const auto& used = frame_->preset.parameters;
+    const ParamInfo* declared = document_.catalog().parameter(document_.preset().technique, kPlacement);
+    const auto named = used.find(kPlacement);
+    const QString placement = QString::fromStdString(named != used.end() ? named->second : declared ? defaultText(*declared) : std::string()).replace(QLatin1Char('_'), QLatin1Char(' '));
+    text = tr("%n probes see %1 % of all surface. Placement: %2 (%3 s); it is chosen under Technique, Probes.", nullptr, static_cast<int>(placed->count()))
+               .arg(100 * placed->coverage, 0, 'f', 1)
+               .arg(placement)
+               .arg(placed->seconds, 0, 'f', 2);
+    QStringList left;
+    if (placed->rejectedInside > 0) left << tr("%1 inside geometry").arg(placed->rejectedInside);
+    if (placed->rejectedNear > 0) left << tr("%1 too near to surfaces").arg(placed->rejectedNear);
+    if (placed->merged > 0) left << tr("%1 that see no more than others").arg(placed->merged);
+    if (!left.isEmpty()) text += tr(" Left out of %1 places: %2.").arg(placed->candidates).arg(left.join(QStringLiteral(", ")));
     for (const std::string& warning : placed->warnings) text += QStringLiteral("\n") + QString::fromStdString(warning);
   }
   facts_->setText(text);
