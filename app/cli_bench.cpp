@@ -35,6 +35,7 @@ int bench(const GlobalOptions& global, const BenchOptions& o) {
   const auto progress = interruptibleProgress(global);
   Session session(global.session());
   session.useProgress(progress);
+  sayRebuilds(global, session);
   if (!global.json) sweep.onStatus = showStatus;
   try {
     sweep.run(session, *progress);

@@ -99,6 +99,8 @@ void finishProgress();
 void print(std::string_view text);
 /// One line on stderr, e.g. a warning.
 void note(std::string_view text);
+/// Precomputation of a second and more is said as it begins, any of it with --verbose: what it casts and keeps, and how long that takes.
+void sayRebuilds(const GlobalOptions&, Session&);
 /// Messages of the validation layers, where they are on: printed, and the run has failed. Returns the exit code.
 int validationVerdict(const GlobalOptions&, Device&, int code);
 

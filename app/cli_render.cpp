@@ -149,6 +149,7 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   const auto progress = interruptibleProgress(global);
   Session session(global.session());
   session.useProgress(progress);
+  sayRebuilds(global, session);
   session.load(preset, progress.get());
   for (const std::string& w : session.scene().report.warnings) note(w);
 
@@ -173,6 +174,7 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
     results.frame = frameAsItStands(session);
   }
   finishProgress();
+  if (results.frame->techniqueFailed && results.frame->failure == ErrorKind::BadInput) throw badInput(results.frame->message);
   results.imageHash = hashOfImage(session.image("final"));
   std::optional<Folder> folder;
   if (!o.out.empty()) writeOut(session, folder.emplace(o.out, results));
@@ -182,7 +184,7 @@ int render(const GlobalOptions& global, const RenderOptions& o) {
   print(global.json ? resultsJson(results) : resultsText(results));
 
   if (results.cancelled) throw Error(ErrorKind::Cancelled, "cancelled; what was done is kept");
-  if (results.frame->techniqueFailed) throw Error(ErrorKind::Run, results.frame->message);
+  if (results.frame->techniqueFailed) throw Error(results.frame->failure, results.frame->message);
   if (const uint64_t pixels = nonFinitePixels(results.errors))
     throw Error(ErrorKind::Run, fmt::format("{} pixels are NaN or infinite: the comparison fails", pixels));
   return validationVerdict(global, session.device(), 0);

@@ -82,6 +82,15 @@ void note(std::string_view text) {
   std::fputs(fmt::format("halflight-cli: {}\n", text).c_str(), stderr);
 }
 
+void sayRebuilds(const GlobalOptions& global, Session& session) {
+  constexpr double kWorthSaying = 1;  // [s]
+  if (global.json && !global.verbose) return;
+  session.tellRebuilds([verbose = global.verbose](const RebuildForecast& f) {
+    if (!verbose && f.seconds < kWorthSaying) return;
+    std::fputs(fmt::format("{}halflight-cli: precomputation: {}\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", forecastText(f)).c_str(), stderr);
+  });
+}
+
 int validationVerdict(const GlobalOptions& global, Device& device, int code) {
   if (!global.validation) return code;
   const std::vector<std::string> messages = device.takeValidationMessages();

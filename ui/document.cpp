@@ -8,6 +8,8 @@
 namespace hl::ui {
 namespace {
 
+const std::string kPlacementKey = "probes.placement", kByHand = "manual";
+
 std::map<std::string, std::string> ofGroup(const std::map<std::string, std::string>& parameters, const std::string& group) {
   std::map<std::string, std::string> out;
   for (const auto& [key, text] : parameters)
@@ -26,7 +28,7 @@ std::string lightsText(const std::optional<LightEdits>& lights) {
 LightEdits lightsOf(const Scene& s) { return {s.pointLights, s.spotLights, s.directionalLights, s.sky}; }
 
 Document::Document(EngineLink& link, const Catalog& catalog, QObject* parent)
-    : QObject(parent), link_(link), catalog_(catalog) {
+    : QObject(parent), link_(link), catalog_(catalog), pending_(link) {
   saved_ = savedForm();
   connect(&link, &EngineLink::opened, this, &Document::onOpened);
   connect(&link, &EngineLink::presetIs, this, &Document::onPresetIs);
@@ -125,6 +127,17 @@ void Document::editProbes(const std::optional<std::vector<vec3>>& probes, bool u
 
 std::vector<vec3> Document::probes() const { return preset_.probes ? *preset_.probes : sceneProbes_; }
 
+void Document::revertRebuild() {
+  Preset target = preset_;
+  for (const auto& [key, text] : pending_.parametersNow()) {
+    const ParamInfo* info = catalog_.parameter(preset_.technique, key);
+    if (info && text == defaultText(*info)) target.parameters.erase(key);
+    else target.parameters[key] = text;
+  }
+  if (const auto probes = pending_.probesNow()) target.probes = *probes;
+  push(std::move(target), tr("revert of what would be rebuilt"), 0);
+}
+
 void Document::restore(const Preset& preset, const QString& what) {
   Preset target = preset;
   target.file = preset_.file;
@@ -204,6 +217,7 @@ void Document::apply(const Preset& wanted, bool whole) {
   if (whole) {
     preset_ = target;
     sceneLights_.reset();
+    pending_.drop();
     link_.load(target);
     announceAll();
     return;
@@ -211,8 +225,17 @@ void Document::apply(const Preset& wanted, bool whole) {
   target.camera = old.camera, target.cameraName = old.cameraName, target.file = old.file, target.animation = old.animation;
   const bool anotherTechnique = target.technique != old.technique;
   preset_ = target;
+  if (anotherTechnique) pending_.make();  // it is rebuilt in any case
   const bool probes = target.probes != old.probes;
-  if (probes) link_.setProbes(target.probes);  // before the parameter that asks for them
+  const auto placementOf = [](const Preset& p) {
+    const auto at = p.parameters.find(kPlacementKey);
+    return at == p.parameters.end() ? std::string() : at->second;
+  };
+  const bool probesCount = placementOf(target) == kByHand || placementOf(old) == kByHand || pending_.waits(kPlacementKey);
+  if (probes && probesCount && !anotherTechnique)
+    pending_.keepProbes(old.probes, target.probes);
+  else if (probes)
+    link_.setProbes(target.probes);  // before the parameter that asks for them
   if (anotherTechnique) sendTechnique(target);
   std::map<std::string, std::string> keys = old.parameters;
   keys.insert(target.parameters.begin(), target.parameters.end());
@@ -223,7 +246,11 @@ void Document::apply(const Preset& wanted, bool whole) {
     const bool own = key.rfind(target.technique + ".", 0) == 0;
     const ParamInfo* info = catalog_.parameter(target.technique, key);
     if (same || !info || (anotherTechnique && own)) continue;
-    link_.setParam(key, after != target.parameters.end() ? after->second : defaultText(*info));
+    const std::string text = after != target.parameters.end() ? after->second : defaultText(*info);
+    if (info->effect == Effect::Rebuild && !anotherTechnique)
+      pending_.keep(key, before != old.parameters.end() ? before->second : defaultText(*info), text);
+    else
+      link_.setParam(key, text);
   }
   if (target.width != old.width || target.height != old.height) link_.setResolution(target.width, target.height);
   if (target.seed != old.seed) link_.setSeed(target.seed);
@@ -239,6 +266,7 @@ void Document::apply(const Preset& wanted, bool whole) {
   if (probes) emit probesChanged();
   emit presetChanged();
   updateModified();
+  pending_.ask();
 }
 
 void Document::open(const QString& path) {
@@ -258,6 +286,7 @@ void Document::onOpened(const Preset& preset, const QString& from) {
   const bool isFile = !preset.file.empty();
   QStringList warnings;
   for (const std::string& w : preset.warnings) warnings << QString::fromStdString(w);
+  pending_.drop();
   Preset before = std::exchange(preset_, preset);
   preset_.warnings.clear();
   if (warnings.isEmpty())
@@ -279,8 +308,12 @@ void Document::onOpened(const Preset& preset, const QString& from) {
 void Document::onPresetIs(const Preset& preset, quint64 ticket) {
   if (ticket != edits_) return;  // edited since: a later answer will tell
   const std::filesystem::path file = preset_.file;
+  const std::map<std::string, std::string> wanted = pending_.parametersWanted();
+  const auto probes = pending_.probesNow() ? std::optional(preset_.probes) : std::nullopt;
   preset_ = preset;
   preset_.file = file;
+  for (const auto& [key, text] : wanted) preset_.parameters[key] = text;  // still waits
+  if (probes) preset_.probes = *probes;
   announceAll();
 }
 
@@ -319,6 +352,7 @@ void Document::save(const QString& path) {
 
 void Document::sendAll() {
   ++edits_;
+  pending_.drop();
   link_.load(preset_);
 }
 

@@ -9,6 +9,7 @@
 
 #include "ui/catalog.h"
 #include "ui/engine_link.h"
+#include "ui/pending_rebuild.h"
 
 namespace hl::ui {
 
@@ -38,6 +39,10 @@ class Document : public QObject {
   void editProbes(const std::optional<std::vector<vec3>>&, bool use, const QString& what);
   /// Those by hand as they stand: the preset's, or the scene's.
   std::vector<vec3> probes() const;
+  /// Edits that wait for a rebuild: the preset has them, the session not yet.
+  PendingRebuild& pendingRebuild() { return pending_; }
+  /// Back to what the session has; one step of undo.
+  void revertRebuild();
   /// All of another experiment, camera included; this one's file stays. One step of undo.
   void restore(const Preset&, const QString& what);
   /// A number for a new drag.
@@ -98,6 +103,7 @@ class Document : public QObject {
   EngineLink& link_;
   const Catalog& catalog_;
   QUndoStack undo_;
+  PendingRebuild pending_;
   Preset preset_;
   std::string saved_;                          // as JSON, to compare with
   std::set<std::filesystem::path> partlyRead_;  // of the files that were opened: undo goes back to them

@@ -4,6 +4,7 @@
 #include <QString>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ class EngineLink : public QObject {
   virtual void reloadShaders() = 0;
   /// The session's own preset, answered by presetIs() with the same ticket once all edits posted before it are through.
   virtual void requestPreset(quint64 ticket) = 0;
+  /// What a rebuild after these changes would take (Session::forecastRebuild), answered by forecastIs() with the same ticket; of several that wait, the last alone.
+  virtual void requestForecast(quint64 ticket, const std::map<std::string, std::string>& changes, const std::optional<std::optional<std::vector<vec3>>>& probes) = 0;
   /// Written off the window's thread. Answered by saved() or failed().
   virtual void savePreset(const Preset&, const QString& path) = 0;
   virtual void saveScene(std::shared_ptr<const FrameResult>, const QString& path) = 0;
@@ -76,6 +79,7 @@ class EngineLink : public QObject {
   void failed(const QString& message, hl::ErrorKind kind);
   void opened(const hl::Preset& preset, const QString& from);
   void presetIs(const hl::Preset& preset, quint64 ticket);
+  void forecastIs(const hl::RebuildForecast& forecast, quint64 ticket);
   void saved(const QString& path, const QString& what);  ///< what: "preset", "scene", "screenshot"
   void shadersReloaded(const hl::ReloadReport& report);
 };

@@ -129,6 +129,11 @@ void ParameterPanel::setValues(const std::map<std::string, std::string>& values)
   updateHeaders();
 }
 
+void ParameterPanel::setWaiting(const std::map<std::string, std::string>& values) {
+  for (Group& g : groups_)
+    for (ParameterRow* row : g.rows) row->setWaiting(values.count(row->info().key()) > 0);
+}
+
 void ParameterPanel::updateHeaders() {
   for (Group& g : groups_) {
     bool changed = false;

@@ -24,6 +24,8 @@ class ParameterPanel : public QWidget {
   void setGroups(const std::vector<ParameterGroup>&);
   /// Values by key; keys that are missing show their default. Emits nothing.
   void setValues(const std::map<std::string, std::string>& values);
+  /// Rows whose value is not in use yet, since it waits for a rebuild.
+  void setWaiting(const std::map<std::string, std::string>& values);
   void search(const QString& words);
 
   /// Null where there is no such key.

@@ -65,14 +65,12 @@ ParameterRow::ParameterRow(const ParamInfo& info, QGridLayout& grid, int line, Q
   else
     addChoice(grid, line);
 
-  cost_ = new QLabel(info.effect == Effect::Live ? tr("Live") : info.effect == Effect::Reset ? tr("Reset") : tr("Rebuild"), parent);
-  cost_->setToolTip(info.effect == Effect::Live    ? tr("Live: seen in the next frame")
-                    : info.effect == Effect::Reset ? tr("Reset: histories and work start again")
-                                                   : tr("Rebuild: memory or precomputation is made anew"));
+  cost_ = new QLabel(parent);
   QFont small = cost_->font();
   small.setPointSizeF(small.pointSizeF() * 0.85);
   cost_->setFont(small);
   cost_->setForegroundRole(QPalette::PlaceholderText);
+  setWaiting(false);
   grid.addWidget(cost_, line, 3);
 
   reset_ = new QToolButton(parent);
@@ -171,6 +169,18 @@ void ParameterRow::updateLook() {
   const bool said = unit.isEmpty() || name.endsWith(unit, Qt::CaseInsensitive) || unit.startsWith(name, Qt::CaseInsensitive);
   name_->setText(said ? title : QStringLiteral("%1 <small>[%2]</small>").arg(title, unit));
   reset_->setVisible(name_->isVisibleTo(static_cast<QWidget*>(parent())) && !isDefault());
+}
+
+void ParameterRow::setWaiting(bool waiting) {
+  const Effect effect = info_.effect;
+  cost_->setText(waiting ? tr("Waits") : effect == Effect::Live ? tr("Live") : effect == Effect::Reset ? tr("Reset") : tr("Rebuild"));
+  cost_->setToolTip(waiting                   ? tr("Not in use yet: the rebuild that it needs has to be asked for, above")
+                    : effect == Effect::Live  ? tr("Live: seen in the next frame")
+                    : effect == Effect::Reset ? tr("Reset: histories and work start again")
+                                              : tr("Rebuild: memory or precomputation is made anew"));
+  QFont font = cost_->font();
+  font.setBold(waiting);
+  cost_->setFont(font);
 }
 
 void ParameterRow::setVisible(bool visible) {

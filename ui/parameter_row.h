@@ -28,6 +28,8 @@ class ParameterRow : public QObject {
   /// Shows the value without emitting anything.
   void show(const std::string& text);
   void setVisible(bool);
+  /// Its value waits for a rebuild.
+  void setWaiting(bool);
   bool isDefault() const;
   /// Words of its name, key, unit, help and values.
   bool matches(const QString& words) const;

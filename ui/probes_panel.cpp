@@ -8,6 +8,8 @@
 #include <QVBoxLayout>
 #include <algorithm>
 
+#include "ui/rebuild_bar.h"
+
 namespace hl::ui {
 namespace {
 
@@ -30,6 +32,7 @@ ProbesPanel::ProbesPanel(Document& document, QWidget* parent)
   facts_->setTextInteractionFlags(Qt::TextSelectableByMouse);
   facts_->setAccessibleName(tr("Probes and their coverage"));
   column->addWidget(facts_);
+  column->addWidget(new RebuildBar(document, this));
   auto* buttons = new QHBoxLayout;
   edit_->setCheckable(true);
   edit_->setToolTip(tr("In the viewport (H): drag a probe, with Shift up and down, with Ctrl along x, with Alt along z; click a surface to add one in front of it; Delete removes the chosen one"));

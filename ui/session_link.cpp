@@ -190,6 +190,21 @@ void SessionLink::requestPreset(quint64 ticket) {
   });
 }
 
+void SessionLink::requestForecast(quint64 ticket, const std::map<std::string, std::string>& changes, const std::optional<std::optional<std::vector<vec3>>>& probes) {
+  post("forecast", [this, ticket, changes, probes](Session& s) {
+    RebuildForecast forecast;
+    try {
+      forecast = s.forecastRebuild(changes, probes);
+    } catch (const Error& e) {
+      if (e.kind() == ErrorKind::Device) throw;
+      // Refused or cancelled: the rebuild itself says so, in the place where such things are said.
+      forecast.rebuilds = true;
+      if (e.kind() != ErrorKind::Cancelled) forecast.refused = e.what();
+    }
+    QMetaObject::invokeMethod(this, [this, forecast, ticket] { emit forecastIs(forecast, ticket); }, Qt::QueuedConnection);
+  });
+}
+
 void SessionLink::write(std::function<void()> work, const QString& path, const QString& what) {
   files_.start([this, work = std::move(work), path, what] {
     try {

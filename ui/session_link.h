@@ -39,6 +39,7 @@ class SessionLink : public EngineLink {
   void resetTechnique() override;
   void reloadShaders() override;
   void requestPreset(quint64 ticket) override;
+  void requestForecast(quint64 ticket, const std::map<std::string, std::string>& changes, const std::optional<std::optional<std::vector<vec3>>>& probes) override;
   void savePreset(const Preset&, const QString& path) override;
   void saveScene(std::shared_ptr<const FrameResult>, const QString& path) override;
   void saveScreenshot(std::shared_ptr<const FrameResult>, const Preset&, const QString& path) override;

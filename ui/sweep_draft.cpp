@@ -137,7 +137,7 @@ DraftProblem problemOf(const std::string& what) {
   } else if (std::regex_match(out.message, m, unknown)) {
     out = {{"axis", static_cast<size_t>(std::stoul(m[1])), m[3].str()}, m[2].str()};
   } else if (std::regex_match(out.message, m, other)) {
-    static const std::vector<std::string> fields = {"base", "seeds", "metrics", "references", "stop", "limit_ms", "repeats", "amortise_frames"};
+    static const std::vector<std::string> fields = {"base", "seeds", "metrics", "references", "stop", "limit_ms", "repeats", "amortise_frames", "targets", "target_error"};
     if (std::find(fields.begin(), fields.end(), m[1].str()) != fields.end()) out = {{m[1].str(), 0, {}}, m[4].str()};
   }
   return out;
@@ -190,6 +190,9 @@ std::string draftJson(const SweepDraft& d) {
   if (d.stop.kind == StopRule::Kind::Frames) w.member("frames", std::llround(d.stop.amount));
   if (d.stop.kind == StopRule::Kind::Milliseconds) w.key("ms").raw(number(d.stop.amount));
   w.endObject().key("limit_ms").raw(number(d.limitMs)).member("repeats", d.repeats).member("amortise_frames", d.amortiseFrames);
+  w.key("targets").beginArray().text("image");
+  if (d.lightmap) w.text("lightmap");
+  w.endArray().key("target_error").raw(number(d.targetError));
   w.member("path_tracer", d.pathTracer).member("images", d.images);
   return w.endObject().str() + "\n";
 }
@@ -212,6 +215,8 @@ SweepDraft draftOf(const Experiment& e) {
   d.full = std::find(e.references.begin(), e.references.end(), "full") != e.references.end();
   d.stop = e.stop, d.limitMs = e.limitMs, d.repeats = e.repeats, d.amortiseFrames = e.amortiseFrames;
   d.pathTracer = e.pathTracer, d.images = e.images;
+  d.lightmap = std::find(e.targets.begin(), e.targets.end(), "lightmap") != e.targets.end();
+  d.targetError = e.targetError;
   return d;
 }
 

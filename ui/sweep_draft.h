@@ -31,7 +31,8 @@ struct SweepDraft {
   StopRule stop;
   double limitMs = 0;
   int repeats = 1, amortiseFrames = 60;
-  bool pathTracer = true, images = false;
+  bool pathTracer = true, images = false, lightmap = false;  ///< lightmap: its errors too
+  double targetError = 0;
 };
 
 /// As an experiment's file; base in place, ranges as ranges.

@@ -147,7 +147,8 @@ SweepDraft SweepEditor::draft() const {
   d.stop.kind = static_cast<StopRule::Kind>(stop_->currentIndex());
   d.stop.amount = d.stop.kind == StopRule::Kind::Settled ? 0 : stopAmount_->value();
   d.limitMs = limit_->value(), d.repeats = repeats_->value(), d.amortiseFrames = amortise_->value();
-  d.pathTracer = pathTracer_->isChecked(), d.images = images_->isChecked();
+  d.pathTracer = pathTracer_->isChecked(), d.images = images_->isChecked(), d.lightmap = lightmap_->isChecked();
+  d.targetError = targetError_;
   return d;
 }
 
@@ -164,7 +165,8 @@ void SweepEditor::setDraft(const SweepDraft& d, const QString& name) {
   showStop();
   if (d.stop.kind != StopRule::Kind::Settled) stopAmount_->setValue(d.stop.amount);
   limit_->setValue(d.limitMs), repeats_->setValue(d.repeats), amortise_->setValue(d.amortiseFrames);
-  pathTracer_->setChecked(d.pathTracer), images_->setChecked(d.images);
+  pathTracer_->setChecked(d.pathTracer), images_->setChecked(d.images), lightmap_->setChecked(d.lightmap);
+  targetError_ = d.targetError;
   name_->setText(name);
   showSet(0);
   showBase();

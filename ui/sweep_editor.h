@@ -119,6 +119,8 @@ class SweepEditor : public QWidget {
   QDoubleSpinBox* limit_ = nullptr;
   QSpinBox* amortise_ = nullptr;
   QCheckBox* pathTracer_ = nullptr;
+  QCheckBox* lightmap_ = nullptr;
+  double targetError_ = 0;  ///< as the file has it
   QCheckBox* images_ = nullptr;
   QLineEdit* folder_ = nullptr;
   QLabel* count_ = nullptr;

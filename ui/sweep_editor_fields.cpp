@@ -282,13 +282,16 @@ QWidget* SweepEditor::makeMeasures() {
   amortise_->setSuffix(tr(" frames"));
   amortise_->setAccessibleName(tr("Frames over which the bake is spread"));
   amortise_->setToolTip(tr("In one of the costs: how many frames use one bake. 60: light that changes once a second"));
+  lightmap_ = new QCheckBox(tr("lightmap's errors"), box);
+  lightmap_->setToolTip(tr("Errors of the lightmap itself as well, by area, of techniques that have one"));
   also->addWidget(pathTracer_);
+  also->addWidget(lightmap_);
   also->addWidget(images_);
   also->addWidget(amortise_);
   also->addStretch(1);
   form->addRow(tr("Also"), also);
   form->addRow(errorLine(QStringLiteral("amortise_frames"), box));
-  for (QCheckBox* c : {matched_, full_, pathTracer_, images_}) connect(c, &QCheckBox::toggled, this, &SweepEditor::edited);
+  for (QCheckBox* c : {matched_, full_, pathTracer_, images_, lightmap_}) connect(c, &QCheckBox::toggled, this, &SweepEditor::edited);
   connect(amortise_, &QSpinBox::valueChanged, this, &SweepEditor::edited);
 
   auto* folderLine = new QHBoxLayout;

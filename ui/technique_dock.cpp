@@ -8,6 +8,7 @@
 
 #include "ui/parameter_panel.h"
 #include "ui/pass_table.h"
+#include "ui/rebuild_bar.h"
 #include "ui/work_line.h"
 
 namespace hl::ui {
@@ -30,6 +31,7 @@ TechniquePanel::TechniquePanel(Document& document, EngineLink& link, PassModel& 
   summary_->setTextFormat(Qt::PlainText);
   column->addWidget(summary_);
   column->addWidget(work_);
+  column->addWidget(new RebuildBar(document, this));
 
   auto* splitter = new QSplitter(Qt::Vertical, this);
   splitter->addWidget(parameters_);
@@ -58,6 +60,7 @@ TechniquePanel::TechniquePanel(Document& document, EngineLink& link, PassModel& 
   connect(work_, &WorkLine::restartWanted, this, [&link] { link.restartWork(); });
   connect(&document_, &Document::techniqueChanged, this, &TechniquePanel::readTechnique);
   connect(&document_, &Document::presetChanged, this, [this] { parameters_->setValues(document_.preset().parameters); });
+  connect(&document_.pendingRebuild(), &PendingRebuild::changed, this, [this] { parameters_->setWaiting(document_.pendingRebuild().parametersWanted()); });
   readTechnique();
 }
 

@@ -39,6 +39,8 @@ struct Experiment {
   std::vector<uint32_t> seeds = {1};
   std::vector<std::string> metrics = {"relmse"};  ///< the first is that of the fronts
   std::vector<std::string> references = {"matched", "full"};
+  std::vector<std::string> targets = {"image"};   ///< errors of what: "image", "lightmap" (of techniques that have one; matched alone)
+  double targetError = 0;      ///< of the first metric: the report names the cheapest configurations that stay within it; 0: none
   StopRule stop;
   double limitMs = 0;          ///< of preparation, work and frames: a run that takes longer is ended, and recorded as failed; 0: none
   int repeats = 1;             ///< of every configuration and seed: errors are the same, times are not

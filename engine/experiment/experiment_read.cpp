@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kKeys = {"version",    "base",    "permute",         "seeds",       "metrics",
                                         "references", "stop",    "repeats",         "path_tracer", "images",
-                                        "amortise_frames", "limit_ms"};
+                                        "amortise_frames", "limit_ms", "targets", "target_error"};
 const std::vector<std::string> kPlainAxes = {"technique", "camera", "resolution", kStartAxis};
 
 class ExperimentReader {
@@ -39,6 +39,8 @@ class ExperimentReader {
     if (root.has("seeds")) readSeeds(root.at("seeds"));
     if (root.has("metrics")) readMetrics(root.at("metrics"));
     if (root.has("references")) readReferences(root.at("references"));
+    if (root.has("targets")) readTargets(root.at("targets"));
+    if (root.has("target_error")) e_.targetError = static_cast<double>(root.at("target_error").number(0, 1e9f));
     if (root.has("stop")) readStop(root.at("stop"));
     if (root.has("limit_ms")) e_.limitMs = static_cast<double>(root.at("limit_ms").number(0, 1e9f));
     if (root.has("repeats")) e_.repeats = static_cast<int>(root.at("repeats").whole(1, 1000));
@@ -236,6 +238,15 @@ class ExperimentReader {
       e_.references.push_back(v.text());
     }
     withoutDoubles(e_.references);
+  }
+
+  void readTargets(const JsonReader& node) {
+    e_.targets.clear();
+    for (const JsonReader& v : listOf(node)) {
+      if (v.text() != "image" && v.text() != "lightmap") throw v.refused("\"image\" or \"lightmap\" is wanted, not " + v.found());
+      e_.targets.push_back(v.text());
+    }
+    withoutDoubles(e_.targets);
   }
 
   void readStop(const JsonReader& node) {

@@ -76,6 +76,7 @@ std::string experimentJson(const Experiment& e) {
     w.endArray();
   }
   w.key("seeds").raw(compact(Json(e.seeds))).key("metrics").raw(compact(Json(e.metrics))).key("references").raw(compact(Json(e.references)));
+  w.key("targets").raw(compact(Json(e.targets))).key("target_error").raw(shortestText(static_cast<float>(e.targetError)));
   w.key("stop").beginObject();
   if (e.stop.kind == StopRule::Kind::Settled) w.member("settled", true);
   if (e.stop.kind == StopRule::Kind::Frames) w.member("frames", static_cast<int64_t>(e.stop.amount));
@@ -110,6 +111,8 @@ std::string experimentSchema(const std::string& presets) {
       {"seeds", {{"anyOf", {seed, listOf(seed, "Each once."), closed({{"from", seed}, {"count", whole(1, kMaxAxisValues, 1, "How many.")}}, {"from", "count"})}}}},
       {"metrics", listOf({{"enum", metrics}}, "The first is that of the fronts. relmse and mse are measured in any case.")},
       {"references", listOf({{"enum", {"matched", "full"}}}, "What errors are against.")},
+      {"targets", listOf({{"enum", {"image", "lightmap"}}}, "What errors are of; the lightmap's, of techniques that have one, are area-weighted over its valid texels and against the matched reference.")},
+      {"target_error", {{"type", "number"}, {"minimum", 0}, {"default", 0}, {"description", "Of the first metric: the report names the cheapest configurations that stay within it; 0: none."}}},
       {"stop",
        {{"anyOf",
          {closed({{"settled", {{"const", true}}}}, {"settled"}), closed({{"frames", whole(1, 1'000'000, 1, "After the bake.")}}, {"frames"}),

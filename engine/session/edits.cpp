@@ -85,7 +85,7 @@ void checkCamera(const Scene& scene, const std::string& name) {
                              guess.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : fmt::format(", did you mean '{}'?", guess)));
 }
 
-Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), presenter(std::make_shared<Presenter>(device)), graph(device, shaders) {}
+Session::Impl::Impl(const SessionOptions& o) : options(o), device(o.device), shaders(device), presenter(std::make_shared<Presenter>(device)), graph(device, shaders), rates(device.info().name + " " + device.info().driver) {}
 /// The window may hold on to the presenter; the device is ours.
 Session::Impl::~Impl() { presenter->end(); }
 
@@ -94,6 +94,7 @@ Session::~Session() {
   for (ReferenceRun* run : {&impl_->full, &impl_->matched, &impl_->lightmapRun}) run->drop();
 }
 std::shared_ptr<Presenter> Session::presenter() const { return impl_->presenter; }
+void Session::tellRebuilds(std::function<void(const RebuildForecast&)> told) { impl_->onRebuild = std::move(told); }
 void Session::useProgress(std::shared_ptr<Progress> progress) { impl_->progress = std::move(progress); }
 
 void Session::Impl::summarise() { summary = summaryOf(*scene, pose); }
@@ -182,6 +183,8 @@ void Session::Impl::install(std::shared_ptr<Scene> next, Progress& p) {
   directLight = std::make_unique<DirectLight>(device, shaders, gpuScene, *tracer);
   atlas.reset();
   placed.reset();
+  candidate.reset();
+  measuredTraceRate = 0;
   pickedProbe.reset();
   cornerUvs = {};
   pickPixel.reset();

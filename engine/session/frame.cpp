@@ -178,6 +178,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   for (const auto& [name, bytes] : s.tracer->memory()) r.memory.push_back({"tracer: " + name, bytes});
   for (const auto& [name, bytes] : s.directLight->memory()) r.memory.push_back({"direct: " + name, bytes});
   for (const MemoryItem& m : s.technique->memory()) r.memory.push_back({s.preset.technique + ": " + m.name, m.bytes});
+  if (!s.held && !s.techniqueStale) r.bytesMoved = s.technique->bytesMoved();
   r.memory.push_back({"device: all blocks", s.device.bytesAllocated()});
   r.counters = {{"nan_inf", s.nonFinite}, {"negative", s.negative}};
   if (s.technique->needs().probes && s.placed) {
@@ -212,7 +213,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
   r.message = s.message.empty() ? s.momentNote() : s.message;
-  r.techniqueFailed = s.held;
+  r.techniqueFailed = s.held, r.failure = s.heldKind;
   r.pick = s.pickReport;
   r.picked = s.picked;
   r.scene = s.summary;

@@ -49,6 +49,7 @@ void ReferenceRun::drop() {
 }
 
 void Session::Impl::buildLightmap(Progress& p) {
+  const double began = nowMs();
   freshEmbree();
   AtlasSettings settings;
   settings.resolution = lightmap.resolution;
@@ -73,12 +74,14 @@ void Session::Impl::buildLightmap(Progress& p) {
   cornerUvs = device.buffer("lightmap: corner uvs", std::span<const vec2>(atlas->cornerUvs));
   atlasStale = false;
   techniqueStale = true;
+  atlasMs = nowMs() - began;
   lightmapRun.drop();
 }
 
 void Session::Impl::placeProbes(Progress& p) {
   freshEmbree();
-  placed = std::make_shared<const PlacedProbes>(hl::placeProbes(probes, *scene, *embree, pool, p));
+  placed = placeCandidate(probes, scene->probes, p);
+  candidate.reset();
   for (const std::string& line : placed->warnings) logWarning(line);
   probesStale = false;
   pickedProbe.reset();
@@ -92,7 +95,7 @@ void Session::Impl::prepare(Progress& p) {
   const auto atlasWanted = [&] { return technique->needs().lightmap && (atlasStale || !atlas); };
   const auto probesWanted = [&] { return technique->needs().probes && (probesStale || !placed); };
   if (!held && renderable && (atlasWanted() || probesWanted() || techniqueStale)) {
-    const double began = nowMs();
+    double began = nowMs();
     try {
       if (atlasWanted()) buildLightmap(p);
       if (probesWanted()) placeProbes(p);
@@ -101,8 +104,16 @@ void Session::Impl::prepare(Progress& p) {
         view.emplace(SceneView{*scene, features, gpuScene, *tracer, *directLight, pool,
                                technique->needs().lightmap ? &*atlas : nullptr, lightmap, direct, preset.seed,
                                technique->needs().probes ? placed.get() : nullptr});
+        if (onRebuild) {
+          const double paused = nowMs();
+          const RebuildForecast forecast = forecastOf(*technique, *view, atlas ? static_cast<double>(atlas->lumels.size()) : 0, false, false, p);
+          if (forecast.refused.empty() && forecast.seconds >= 0) onRebuild(forecast);
+          began += nowMs() - paused;
+        }
         Gpu gpu{device, shaders};
+        const double allocation = nowMs();
         technique->rebuild(gpu, *view, p);
+        if (!technique->work().settled()) rates.learn(scene->hash, workName(), kAllocation, atlas ? static_cast<double>(atlas->lumels.size()) : 0, nowMs() - allocation);
         madeAt = time;
         techniqueStale = false;
         resetWanted = true;
@@ -111,13 +122,11 @@ void Session::Impl::prepare(Progress& p) {
     } catch (const Error& e) {
       // The technique ends, not the program: direct light goes on, and restartWork() tries again.
       if (e.kind() == ErrorKind::Device) throw;
-      held = true;
-      message = e.what();
-      if (e.kind() != ErrorKind::Cancelled) logError(message);
+      held = true, heldKind = e.kind();
+      message = e.what();  // for whoever drives the session to say
     } catch (const std::bad_alloc&) {
-      held = true;
+      held = true, heldKind = ErrorKind::Run;
       message = fmt::format("{}: out of memory", preset.technique);
-      logError(message);
     }
     prepareMs = nowMs() - began;
   }
@@ -127,6 +136,9 @@ void Session::Impl::prepare(Progress& p) {
     directLight->reset();
     frameSinceReset = 0;
     workMs = 0, workUnitsTimed = 0;
+    double done = 0;
+    for (const WorkPart& part : technique->workDone()) done += part.amount;
+    if (!(done > 0)) workPassMs.clear();  // else what was begun goes on
     workStopped = false;
   }
   if (resetWanted || measureAnew) {
@@ -161,6 +173,8 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
     technique->recordWork(graph);
     const BatchTimings t = graph.execute();
     if (!t.passes.empty()) workProfiler.add(t);  // a unit that only puts together what others made records none
+    for (const PassTiming& pass : t.passes)
+      if (pass.skipped.empty()) workPassMs[pass.name] += pass.ms;
     workMs += t.wallMs;
     msSinceReset += t.wallMs;
     ++workUnitsTimed;
@@ -169,6 +183,7 @@ void Session::Impl::runWork(double budgetMs, Progress& p) {
       return;
     }
   } while (!workSettled() && nowMs() - start < budgetMs);
+  if (technique->work().settled()) learnRates();
 }
 
 void Session::Impl::runWorkWithin(double limitMs, Progress& p) {

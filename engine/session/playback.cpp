@@ -81,6 +81,7 @@ void Session::Impl::moveToMoment() {
   if (moved.geometry) {
     updateEmitters(device, gpuScene, *scene);
     embreeStale = true;
+    candidate.reset();
     recordPose(graph, gpuScene);
     tracer->recordUpdate(graph);
     momentTimings = graph.execute();

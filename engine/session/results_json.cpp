@@ -29,7 +29,7 @@ void writeProvenance(JsonWriter& w, const Provenance& p, const std::string& imag
 /// A time that no frame has given (a pass's first is warm-up) is null: 0 would read as infinitely fast.
 double measured(double ms, double medianMs) { return medianMs > 0 ? ms : std::numeric_limits<double>::quiet_NaN(); }
 
-void writePass(JsonWriter& w, const PassStatistics& p, const char* during) {
+void writePass(JsonWriter& w, const PassStatistics& p, const char* during, const std::vector<MemoryItem>& moved = {}) {
   w.beginObject()
       .member("name", p.name)
       .member("where", p.where)
@@ -39,6 +39,8 @@ void writePass(JsonWriter& w, const PassStatistics& p, const char* during) {
       .member("p95_ms", measured(p.p95Ms, p.medianMs))
       .key("skipped");
   p.skipped.empty() ? w.null() : w.text(p.skipped);
+  for (const MemoryItem& m : moved)
+    if (m.name == p.name && m.bytes > 0 && p.medianMs > 0) w.member("bytes_moved", m.bytes).member("gbps", static_cast<double>(m.bytes) / (1e6 * p.medianMs));
   w.endObject();
 }
 
@@ -119,7 +121,7 @@ void writeResultMembers(JsonWriter& w, const RunResults& r) {
   w.key("work").beginObject().member("ms", f.workMs).member("units", f.workUnits).endObject();
   w.key("settled_after").beginObject().member("frames", f.settledFrames).member("ms", f.settledMs).endObject();
   w.key("passes").beginArray();
-  for (const PassStatistics& p : f.passes) writePass(w, p, "frame");
+  for (const PassStatistics& p : f.passes) writePass(w, p, "frame", f.bytesMoved);
   for (const PassStatistics& p : f.workPasses) writePass(w, p, "work");
   w.endArray().key("memory").beginArray();
   for (const MemoryItem& m : f.memory) w.beginObject().member("name", m.name).member("bytes", m.bytes).endObject();

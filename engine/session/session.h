@@ -1,6 +1,7 @@
 #pragma once
 // The one path: window, command line, tests and benchmarks drive the same Session. It belongs to one thread.
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "engine/reference/progressive_tracer.h"
 #include "engine/reference/reference.h"
 #include "engine/scene/scene.h"
+#include "engine/session/rebuild_forecast.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
@@ -111,6 +113,7 @@ struct FrameResult {
   std::vector<PassStatistics> workPasses; ///< of the units of long work
   std::vector<PassTiming> lastPasses;     ///< of this frame alone
   std::vector<MemoryItem> memory;
+  std::vector<MemoryItem> bytesMoved;  ///< by pass, of a frame; of those that move data and do little else
   std::vector<std::pair<std::string, double>> counters;
   WorkReport technique, reference;
   std::vector<ErrorValue> errors;    ///< as of the last measurement
@@ -119,6 +122,7 @@ struct FrameResult {
   Provenance provenance;
   std::string message;               ///< what went wrong (a technique that failed, a shader that did not compile), or ""
   bool techniqueFailed = false;      ///< its preparation was cancelled or failed: there is no indirect light in the picture
+  ErrorKind failure = ErrorKind::Run;  ///< ... of which kind; `message` is the error's
   PickReport pick;
   PickedPoint picked;                ///< of the last pick(); `triangle` is kNone where the pixel shows no surface
   std::shared_ptr<const Scene> scene;  ///< names, materials, lights, cameras, regions, bounds and report; geometry and textures left out
@@ -161,6 +165,11 @@ class Session {
   /// whose times do not ascend from 0
   void setCameraPaths(const std::vector<CameraPath>&);
   void setTime(double seconds);             ///< goes there; goes on from there where it plays
+  /// What a rebuild after these changes of parameters (key, text) would take, said before they are made; nothing is changed. `manual`: after setProbes() with it, too.
+  /// Probes are placed for it, which their rebuild then need not do again. @throws Error(BadInput) as setParam. Error(Cancelled)
+  RebuildForecast forecastRebuild(const std::map<std::string, std::string>& changes, const std::optional<std::optional<std::vector<vec3>>>& manual = {}, Progress* = nullptr);
+  /// Told of each rebuild as it begins, by the thread that is in frame(): counts are exact then. Null (as it starts): nobody is, and nothing is counted.
+  void tellRebuilds(std::function<void(const RebuildForecast&)>);
   void pick(int x, int y);                  ///< a pixel, for debug views and FrameResult::pick
   void setReferenceWanted(bool);            ///< progress the reference between frames
   /// Linear images that frames carry from now on, by the names that image() knows; each costs a copy from the device. "display" is FrameResult::display. Not

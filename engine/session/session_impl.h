@@ -1,6 +1,7 @@
 #pragma once
 // What a Session holds. Seen by the session's own files alone.
 #include <chrono>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "engine/passes/gbuffer.h"
 #include "engine/scene/scene_pose.h"
 #include "engine/session/session.h"
+#include "engine/session/work_rates.h"
 #include "engine/trace/embree_scene.h"
 
 namespace hl {
@@ -51,6 +53,9 @@ bool anySet(const Mask&);
 void checkCamera(const Scene&, const std::string& name);
 /// @throws Error(BadInput)
 void checkPlayback(const Scene&, const Playback&);
+
+/// The part of a rebuild that comes before its units of work, among WorkRates: its amount is lumels.
+inline constexpr const char* kAllocation = "allocation";
 
 struct Session::Impl {
   explicit Impl(const SessionOptions&);
@@ -95,6 +100,8 @@ struct Session::Impl {
   bool workStopped = false, workPaused = false, referenceWanted = false, referenceStopped = false;
   bool serialisedTiming = false;
   std::string message;
+  ErrorKind heldKind = ErrorKind::Run;  ///< of what `held` is about
+  std::function<void(const RebuildForecast&)> onRebuild;
 
   // What changed since the last frame, and what the technique did not follow while the time ran.
   bool cameraMoved = false, lightsMoved = false, geometryMoved = false, measureAnew = false;
@@ -115,6 +122,19 @@ struct Session::Impl {
   Profiler frameProfiler, workProfiler;
   BatchTimings lastTimings;
   double workMs = 0;           ///< in the current bake, for the time left
+  std::map<std::string, double> workPassMs;  ///< of its passes, in all, as long as it has not settled
+  WorkRates rates;
+  double atlasMs = 0;          ///< that the atlas took, when it was last made
+  double measuredTraceRate = 0;  ///< [1e6 rays/s] in this scene; 0: not measured
+  /// Probes that were placed for a forecast, with what they depend on beside the scene.
+  struct ProbeCandidate {
+    ProbesParams params;
+    std::vector<vec3> manual;
+    std::shared_ptr<const EmbreeScene> embree;
+    std::shared_ptr<const PlacedProbes> placed;
+    bool fits(const ProbesParams&, const std::vector<vec3>& manual, const EmbreeScene*) const;
+  };
+  std::optional<ProbeCandidate> candidate;
   uint64_t workUnitsTimed = 0;
   double referenceMs = 0, referenceStart = 0;
 
@@ -183,6 +203,13 @@ struct Session::Impl {
   bool referenceShared() const;  ///< full and matched differ in the number of bounces alone
   int fullBounces() const { return reference.bounces > 0 ? reference.bounces : kAllBounces; }
   ReferenceSettings referenceSettings(bool matchedPaths) const;
+
+  // rebuild_forecast.cpp
+  RebuildForecast forecastOf(const Technique&, const SceneView&, double lumels, bool atlasAnew, bool betweenFrames, Progress&);
+  std::shared_ptr<const PlacedProbes> placeCandidate(const ProbesParams&, const std::vector<vec3>& manual, Progress&);
+  std::string workName() const;
+  double sceneTraceRate(Progress&);
+  void learnRates();
 
   // frame.cpp
   void addConvergencePoint();

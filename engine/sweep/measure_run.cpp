@@ -144,6 +144,10 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   record.errors = results.errors = session.measureErrors(metrics);
+  if (measuresLightmap(e) && session.technique().needs().lightmap) {
+    session.reference("lightmap", &p);
+    for (const ErrorValue& v : session.measureErrors(metrics, "lightmap")) record.errors.push_back(v), results.errors.push_back(v);
+  }
   record.surfacePixels = session.surfacePixels();
   record.imageHash = results.imageHash = hashOfImage(session.image("final"));
   if (!variancePicture.empty()) writePicture(variancePicture, session.image("indirect_irradiance"), *made);
@@ -162,6 +166,8 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   record.frameTime = whole->frameTime, record.unaccounted = whole->unaccounted;
   record.passes = whole->passes, record.workPasses = whole->workPasses;
   record.techniqueMs = ownPasses(*whole);
+  for (const auto& [name, bytes] : whole->bytesMoved) record.passBytes[name] = static_cast<double>(bytes);
+  for (const auto& [name, count] : whole->counters) record.counters[name] = count;
   record.prepareMs = whole->prepareMs, record.workMs = whole->workMs;
   takeMemory(*whole, record);
   uint64_t nonFinite = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/gpu/timing_limits.h"
+#include "engine/sweep/cost_slopes.h"
 #include "engine/sweep/results_folder.h"
 
 namespace hl {
@@ -131,12 +132,78 @@ std::string partsTable(const SweepResults& r, const Summary& s, size_t problem) 
   return out + "\n\n| configuration | against | bias² | variance |\n| --- | --- | --- | --- |\n" + rows + "\n";
 }
 
+/// All that was asked for, of picture and lightmap: indirect light, against the matched reference, or the first that was asked for.
+std::string errorTable(const SweepResults& r, const Summary& s, size_t problem) {
+  if (r.experiment.metrics.size() < 2 && r.experiment.targets == std::vector<std::string>{"image"}) return "";
+  const std::string& first = r.experiment.references.front();
+  std::string out = fmt::format("### Errors\n\nOf the picture against {}{}.\n\n| configuration |", first,
+                                measuresLightmap(r.experiment) ? "; of the lightmap, by area over its valid texels, against matched" : "");
+  std::string rule = "\n| --- |", rows;
+  for (const std::string& target : r.experiment.targets)
+    for (const std::string& metric : r.experiment.metrics) out += fmt::format(" {} {} |", target, metric), rule += " --- |";
+  for (const ConfigurationSummary& c : s.configurations) {
+    if (c.problem != problem || c.failed == c.runs) continue;
+    rows += fmt::format("| {} |", cell(r.configurations[c.configuration].label()));
+    for (const std::string& target : r.experiment.targets)
+      for (const std::string& metric : r.experiment.metrics) {
+        std::string text = " -";
+        for (const ErrorSummary& e : c.errors)
+          if (e.target == target && e.metric == metric && e.component == "indirect" && e.roi.empty() && e.reference == (target == "lightmap" ? "matched" : first))
+            text = fmt::format(" {} ({:.1g})", estimate(e.value), e.standardError);
+        rows += text + " |";
+      }
+    rows += "\n";
+  }
+  return rows.empty() ? "" : out + rule + "\n" + rows + "\nIn brackets the standard error by the reference's noise.\n\n";
+}
+
+/// What passes move over what they take, beside what the device copies.
+std::string trafficTable(const SweepResults& r, const Summary& s, size_t problem) {
+  std::string rows;
+  for (const ConfigurationSummary& c : s.configurations)
+    for (const PassSummary& pass : c.passes)
+      if (c.problem == problem && pass.bytes > 0 && pass.ms.median > 0)
+        rows += fmt::format("| {} | {} | {} | {:.4g} | {:.4g} | {} |\n", cell(r.configurations[c.configuration].label()), pass.name, bytes(pass.bytes), pass.ms.median, pass.gbps(),
+                            r.copyGbps > 0 ? fmt::format("{:.3g} %", 100 * pass.gbps() / (2 * r.copyGbps)) : "-");
+  if (rows.empty()) return "";
+  return fmt::format("### Memory traffic\n\nBytes that a pass has to read and write, each once, over its time; beside it the share of what a copy of a large buffer moves here ({:.4g} GB/s read and as much written). "
+                     "Above 100 % the matrices were still in a cache.\n\n| configuration | pass | moves | ms | GB/s | share of copy |\n| --- | --- | --- | --- | --- | --- |\n",
+                     r.copyGbps) + rows + "\n";
+}
+
+std::string slopeTable(const SweepResults& r, const Summary& s, size_t problem) {
+  std::string rows;
+  for (const CostSlope& c : costSlopes(r, s)) {
+    if (c.problem != problem) continue;
+    const auto& [x0, y0] = c.points.front();
+    const auto& [x1, y1] = c.points.back();
+    rows += fmt::format("| {} | {} | {:.4g} to {:.4g} | {:.4g} to {:.4g} | {:.3g} ± {:.2g} |\n", c.cost, c.quantity, x0, x1, y0, y1, c.slope, c.standardError);
+  }
+  if (rows.empty()) return "";
+  return "### How cost grows\n\nSlopes of straight lines in both logarithms, by least squares, with their standard error: 1 is proportional. A technique's passes of a frame, its preparation and work, its memory.\n\n"
+         "| cost | over | from, to | cost from, to | slope |\n| --- | --- | --- | --- | --- |\n" + rows + "\n";
+}
+
+std::string targetTable(const SweepResults& r, const Summary& s, size_t problem) {
+  std::string rows;
+  for (const WithinTarget& t : withinTarget(r, s)) {
+    if (t.problem != problem) continue;
+    const bool memory = t.axis == FrontAxis::Memory;
+    rows += fmt::format("| {} | {} | ", kFrontAxes[static_cast<size_t>(t.axis)], t.reference);
+    rows += t.configuration ? fmt::format("{} | {} | {:.4g} |\n", cell(r.configurations[*t.configuration].label()), memory ? bytes(t.cost) : time(t.cost), t.error) : "none of these | | |\n";
+  }
+  if (rows.empty()) return "";
+  return fmt::format("### Cheapest with {} at most {:.4g}\n\n| least | against | configuration | cost | error |\n| --- | --- | --- | --- | --- |\n", r.experiment.metrics.front(), r.experiment.targetError) +
+         rows + "\n";
+}
+
 }  // namespace
 
 std::string sweepReport(const SweepResults& r, const Summary& s) {
   std::string out = header(r);
   for (size_t problem = 0; problem < r.problems.size(); ++problem) {
     out += fmt::format("## {}\n\n", r.problems[problem].label) + configurationTable(r, s, problem);
+    out += targetTable(r, s, problem) + errorTable(r, s, problem) + trafficTable(r, s, problem) + slopeTable(r, s, problem);
     for (const std::string& reference : r.experiment.references) {
       out += fmt::format("### Speed against relative error (root of relmse), against {}\n\n", reference);
       std::vector<const SpeedTable*> tables;

@@ -8,6 +8,7 @@
 #include "engine/core/files.h"
 #include "engine/core/import_module.h"
 #include "engine/core/json_writer.h"
+#include "engine/sweep/cost_slopes.h"
 
 namespace hl {
 namespace {
@@ -42,6 +43,13 @@ void writeConfiguration(JsonWriter& w, const SweepResults& r, const Configuratio
   for (const BiasVariance& b : c.parts) {
     w.beginObject().member("reference", b.reference);
     write(w, "bias_squared", b.biasSquared), write(w, "variance", b.variance).endObject();
+  }
+  w.endArray().key("memory_traffic").beginArray();
+  for (const PassSummary& pass : c.passes) {
+    if (!(pass.bytes > 0)) continue;
+    w.beginObject().member("pass", pass.name).member("bytes_moved", pass.bytes).member("gbps", pass.gbps()).key("share_of_copy");
+    r.copyGbps > 0 ? w.number(pass.gbps() / (2 * r.copyGbps)) : w.null();
+    w.endObject();
   }
   w.endArray().key("path_tracer_at_equal_time").beginArray();
   for (const EqualTime& e : c.pathTracer) {
@@ -83,7 +91,7 @@ std::filesystem::path pictureOf(const std::filesystem::path& folder, size_t conf
 std::string sweepJson(const SweepResults& r, const Summary& s) {
   JsonWriter w;
   w.beginObject().member("version", 1).member("complete", r.complete() && r.failed() == 0).member("runs_done", r.done()).member("runs_planned", r.plan.size());
-  w.member("runs_failed", r.failed()).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads);
+  w.member("runs_failed", r.failed()).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads).member("copy_gbps", r.copyGbps);
   w.key("provenance").raw(provenanceJson(r.provenance)).key("experiment").raw(experimentJson(r.experiment));
   w.key("problems").beginArray();
   for (const SweepProblem& p : r.problems) w.text(p.label);
@@ -93,6 +101,19 @@ std::string sweepJson(const SweepResults& r, const Summary& s) {
   for (const Front& f : s.fronts) writeFront(w, f);
   w.endArray().key("speed").beginArray();
   for (const SpeedTable& t : s.tables) writeTable(w, t);
+  w.endArray().key("cost_slopes").beginArray();
+  for (const CostSlope& c : costSlopes(r, s)) {
+    w.beginObject().member("problem", c.problem).member("key", c.key).member("quantity", c.quantity).member("cost", c.cost).member("slope", c.slope);
+    w.member("standard_error", c.standardError).key("points").beginArray();
+    for (const auto& [x, y] : c.points) w.beginObject().member("quantity", x).member("cost", y).endObject();
+    w.endArray().endObject();
+  }
+  w.endArray().key("within_target").beginArray();
+  for (const WithinTarget& t : withinTarget(r, s)) {
+    w.beginObject().member("problem", t.problem).member("reference", t.reference).member("axis", kFrontAxes[static_cast<size_t>(t.axis)]).key("configuration");
+    t.configuration ? w.number(static_cast<double>(*t.configuration)) : w.null();
+    w.member("cost", t.cost).member("error", t.error).endObject();
+  }
   w.endArray().key("runs").beginArray();
   for (size_t i = 0; i < r.plan.size(); ++i) {
     const PlannedRun& p = r.plan[i];

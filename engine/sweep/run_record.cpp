@@ -63,11 +63,14 @@ PassStatistics passOf(const json& p) {
 
 void hashMeasurement(Hasher& h, const Experiment& e, const Preset& preset) {
   for (const std::string& m : measuredMetrics(e)) h.text(m);
+  if (measuresLightmap(e)) h.text("lightmap");
   h.value(preset.display.exposure).value(static_cast<int>(preset.display.toneMap));
   h.value(preset.regions.has_value());
   if (preset.regions)
     for (const Region& r : *preset.regions) h.text(r.name).value(r.x).value(r.y).value(r.width).value(r.height);
 }
+
+bool measuresLightmap(const Experiment& e) { return std::find(e.targets.begin(), e.targets.end(), "lightmap") != e.targets.end(); }
 
 std::vector<std::string> measuredMetrics(const Experiment& e) {
   std::vector<std::string> out = e.metrics;
@@ -96,7 +99,7 @@ std::string runRecordJson(const RunRecord& r, const RunResults& results, const P
   r.failed.empty() ? w.null() : w.text(r.failed);
   w.member("over_limit", r.overLimit).member("technique_ms", r.techniqueMs).member("total_ms", r.totalMs).member("device_bytes", r.deviceBytes);
   w.member("technique_bytes", r.techniqueBytes).member("surface_pixels", r.surfacePixels).member("frames", r.frames);
-  w.member("seconds", r.seconds).member("transport", r.transport).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads).key("errors_at").beginArray();
+  w.member("seconds", r.seconds).member("transport", r.transport).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads).member("copy_gbps", r.copyGbps).key("errors_at").beginArray();
   for (const ErrorAt& at : r.convergence) {
     w.beginObject().member("frames", at.frames).member("ms", at.ms).key("errors");
     writeErrors(w, at.errors);
@@ -125,6 +128,7 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
     r.techniqueMs = value(run, "technique_ms"), r.totalMs = value(run, "total_ms"), r.seconds = value(run, "seconds");
     r.deviceBytes = run.at("device_bytes"), r.techniqueBytes = run.at("technique_bytes"), r.surfacePixels = run.at("surface_pixels");
     r.frames = run.at("frames"), r.transport = run.at("transport");
+    r.copyGbps = numberOr(run, "copy_gbps", 0);
     r.cpuDevice = run.at("cpu_device"), r.hostThreads = run.at("host_threads");
     for (const json& at : run.at("errors_at")) r.convergence.push_back({at.at("frames"), value(at, "ms"), errorsOf(at.at("errors"))});
     r.errors = errorsOf(d.at("errors"));
@@ -138,6 +142,11 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
       r.unaccounted = numberOr(f, "unaccounted_share", 0);
       r.prepareMs = value(d, "prepare_ms"), r.workMs = value(d.at("work"), "ms");
       r.imageHash = d.at("image").at("hash");
+      if (d.contains("counters"))
+        for (const auto& [name, count] : d.at("counters").items())
+          if (count.is_number()) r.counters[name] = count.get<double>();
+      for (const json& pass : d.at("passes"))
+        if (pass.contains("bytes_moved")) r.passBytes[pass.at("name")] = pass.at("bytes_moved").get<double>();
       for (const json& pass : d.at("passes")) (pass.at("during") == "work" ? r.workPasses : r.passes).push_back(passOf(pass));
     }
     return r;

@@ -1,6 +1,7 @@
 #pragma once
 // One run of a sweep: what is measured, as it stands in memory and in runs/<key>.json.
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ std::vector<PlannedRun> planOf(const Experiment&, const std::vector<Configuratio
 
 /// The metrics that every run measures: those asked for, relmse (for tables) and mse (for bias and variance).
 std::vector<std::string> measuredMetrics(const Experiment&);
+bool measuresLightmap(const Experiment&);
 /// What a measurement depends on beside the preset's own hash: metrics, how the picture is shown (some metrics see that) and regions.
 void hashMeasurement(Hasher&, const Experiment&, const Preset&);
 
@@ -45,6 +47,9 @@ struct RunRecord {
   PassStatistics frameTime;        ///< frames as they are once the work has settled
   double unaccounted = 0;          ///< share of a frame's time that is in no pass
   std::vector<PassStatistics> passes, workPasses;  ///< of a frame; of a unit of work
+  std::map<std::string, double> passBytes;         ///< that passes of a frame move, of those that state it
+  double copyGbps = 0;             ///< that the device copied when the sweep began, each byte read and written; 0: not measured
+  std::map<std::string, double> counters;
   double techniqueMs = 0;          ///< of a frame: median of the technique's own passes
   double prepareMs = 0, workMs = 0;
   double totalMs = 0;              ///< preparation, work and frames up to the picture that was measured

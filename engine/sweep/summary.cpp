@@ -144,8 +144,10 @@ std::vector<PassSummary> passesOf(const SweepResults& r, const std::vector<size_
       if (!p.skipped.empty() && !(p.medianMs > 0)) continue;
       size_t at = 0;
       while (at < out.size() && out[at].name != p.name) ++at;
-      if (at == out.size()) out.push_back({p.name, p.where, {}}), ms.emplace_back();
+      if (at == out.size()) out.push_back({p.name, p.where, {}, 0}), ms.emplace_back();
       ms[at].push_back(p.medianMs);
+      if (kind == &RunRecord::passes)
+        if (const auto moved = r.runs[i]->passBytes.find(p.name); moved != r.runs[i]->passBytes.end()) out[at].bytes = moved->second;
     }
   for (size_t i = 0; i < out.size(); ++i) out[i].ms = spreadOf(ms[i]);
   return out;

@@ -35,6 +35,8 @@ struct EqualTime {
 struct PassSummary {
   std::string name, where;
   Spread ms;
+  double bytes = 0;  ///< that it moves; 0: not stated
+  double gbps() const { return ms.median > 0 ? bytes / (1e6 * ms.median) : 0; }
 };
 
 struct ConfigurationSummary {

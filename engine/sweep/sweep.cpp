@@ -13,6 +13,7 @@
 #include "engine/core/files.h"
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
+#include "engine/passes/measured_rates.h"
 #include "engine/sweep/results_folder.h"
 
 namespace hl {
@@ -112,6 +113,7 @@ void Sweep::takeProvenance() {
   SweepResults& r = results_;
   for (const auto& run : r.runs) {
     if (!run) continue;
+    r.copyGbps = run->copyGbps;
     r.provenance = run->provenance, r.cpuDevice = run->cpuDevice, r.hostThreads = run->hostThreads;
     r.provenance.presetHash.clear();
     r.provenance.seed = r.experiment.seeds.front();
@@ -213,6 +215,7 @@ void Sweep::warmUp(Session& session, Progress& p) {
 
 void Sweep::runAll(Session& session, Progress& p) {
   SweepResults& r = results_;
+  const double copyGbps = r.copyGbps;  // of this call: takeProvenance() may find an earlier one's
   for (size_t i = 0; i < r.plan.size(); ++i) {
     if (r.runs[i]) continue;
     const PlannedRun& run = r.plan[i];
@@ -223,6 +226,7 @@ void Sweep::runAll(Session& session, Progress& p) {
     RunResults results;
     RunRecord record = measureRun(session, r.experiment, run, wantsVariance(r.experiment, run) ? variancePictureOf(r.folder, run) : fs::path(),
                                   picture ? pictureOf(r.folder, run.configuration) : fs::path(), p, results);
+    record.copyGbps = copyGbps;
     store(record, results, run.preset);
     r.runs[i] = std::move(record);
     takeProvenance();
@@ -260,6 +264,9 @@ void Sweep::run(Session& session, Progress& p) {
     if (!isItsOwn) saveExperiment(r.experiment, kept);
     if (!r.complete()) {
       traceReferences(session, p);
+      report("the device's copy rate");
+      ShaderLibrary shaders(session.device());
+      r.copyGbps = copyRate(session.device(), shaders, p);
       warmUp(session, p);
       runAll(session, p);
     }

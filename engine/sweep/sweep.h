@@ -47,6 +47,7 @@ struct SweepResults {
   Provenance provenance;      ///< of the session that made or took up the runs
   bool cpuDevice = true;
   unsigned hostThreads = 1;
+  double copyGbps = 0;        ///< [GB/s] that the device copies, each byte read and written: measured once as the sweep begins; 0: not yet
   std::filesystem::path folder;
 
   size_t done() const;

@@ -15,6 +15,7 @@
 #include "engine/passes/gbuffer.h"
 #include "engine/placement/placement.h"
 #include "engine/scene/gpu_scene.h"
+#include "engine/techniques/rebuild_estimate.h"
 #include "engine/techniques/transport.h"
 #include "engine/trace/tracer.h"
 
@@ -114,6 +115,12 @@ class Technique {
   virtual Transport transport() const = 0;
   /// Allocation and precomputation after a scene, resolution or Rebuild-parameter change. @throws Error(BadInput) for settings that make no sense together.
   virtual void rebuild(Gpu&, const SceneView&, Progress&) = 0;
+  /// What rebuild() and the work after it would take with the parameters as they stand, of a technique that precomputes; also before the first rebuild. `lumels`: as many as
+  /// the lightmap will have, where the atlas is still that of another resolution. Takes the time of looking for receivers' probes at most, and leaves the technique as it is.
+  /// @throws Error(BadInput) as rebuild().
+  virtual RebuildEstimate rebuildEstimate(const Device&, const SceneView&, double /*lumels*/, Progress&) const { return {}; }
+  /// Of the same parts what units of work have done since the last rebuild or reset: the session learns their speed from it.
+  virtual std::vector<WorkPart> workDone() const { return {}; }
   /// A Reset-parameter changed, or something that the technique does not follow: histories and work start again, allocations stay.
   virtual void reset() {}
   /// Whether the technique carries its caches through such a change, and converges to what is new by itself. Where it does not, it is reset by another
@@ -129,6 +136,8 @@ class Technique {
   virtual IndirectLight record(FrameGraph&, const FrameInputs&) = 0;
   virtual std::vector<DebugView> debugViews() const { return {}; }
   virtual std::vector<MemoryItem> memory() const { return {}; }
+  /// Bytes that a frame's passes have to move through memory, by pass: what they read and write at least, each once. Of passes that do little else.
+  virtual std::vector<MemoryItem> bytesMoved() const { return {}; }
   /// Counters since the last reset: "back_face_hits", "invalid_texels", ... Read between frames.
   virtual std::vector<std::pair<std::string, double>> counters() const { return {}; }
   virtual PickReport pick(const PickedPoint&) { return {}; }

@@ -134,7 +134,7 @@ TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
     h.rebuild();
     FAIL() << "a cluster that does not fit was accepted";
   } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::TooLarge);
+    EXPECT_EQ(e.kind(), ErrorKind::BadInput);
     EXPECT_NE(std::string(e.what()).find("srp.precompute_memory_mb is 16"), std::string::npos) << e.what();
   }
 }

@@ -35,6 +35,20 @@ void expectFailure(const CliResult& r, int code, const std::vector<std::string>&
   for (const std::string& part : parts) EXPECT_NE(r.err.find(part), std::string::npos) << part << " in: " << r.err;
 }
 
+/// Precomputation is said before it begins; what it refuses is said once, and is bad usage where a parameter is at fault.
+TEST(CliRender, SaysWhatPrecomputationTakesAndWhatItRefuses) {
+  std::vector<std::string> srp = {"render", "cornell_box", "--technique", "srp", "--resolution", "32x24", "--set", "direct.samples=4", "--set", "lightmap.resolution=32",
+                                  "--set", "probes.spacing=0.5", "--set", "srp.receiver_rays=64", "--frames", "1"};
+  srp.insert(srp.begin(), "--verbose");
+  const CliResult r = runCli(srp);
+  EXPECT_EQ(r.code, 0) << r.err;
+  for (const char* part : {"halflight-cli: precomputation: ", " rays, ", "before compression"}) EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+
+  srp.erase(srp.begin());
+  for (const char* setting : {"srp.sh_order=8", "srp.probe_rays=64"}) srp.insert(srp.end(), {"--set", setting});
+  expectFailure(runCli(srp), 2, {"srp.probe_rays: 64 rays"});
+}
+
 /// The same frames each time, at moments that the frame's number alone decides; a cut and a door that opens have an end.
 TEST(CliRender, PlaysAScene) {
   const std::vector<std::string> play = {"render", "two_rooms", "--technique", "none", "--resolution", "32x24", "--set", "direct.samples=4",

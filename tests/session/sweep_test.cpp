@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/image_io.h"
+#include "engine/sweep/cost_slopes.h"
 #include "engine/sweep/results_folder.h"
 #include "engine/sweep/sweep.h"
 #include "tests/session_fixture.h"
@@ -97,6 +98,91 @@ TEST_F(SweepTest, RunsInterleavedAndTheFolderReadsBackTheSame) {
   EXPECT_EQ(made, 4u);
   const auto after = files(folder / "out/runs");
   for (const auto& [name, text] : before) EXPECT_TRUE(after.at(name) == text) << name;
+}
+
+TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
+  const std::string base = R"({"version": 1, "scene": "cornell_box", "resolution": [32, 24], "technique": "srp", "parameters": {"reference.samples": 16, "reference.direct_samples": 4,
+      "direct.samples": 4, "lightmap.resolution": 32, "probes.spacing": 0.5, "srp.receiver_rays": 64, "srp.probe_rays": 128, "srp.cache": false}})";
+  const auto experiment = [&](const std::string& target) {
+    return experimentFromJson(R"({"version": 1, "permute": [{"srp.sh_order": [0, 2, 4], "srp.compression": ["none"]}, {"srp.sh_order": [0], "srp.compression": ["cpca"]}],
+      "metrics": ["relmse", "bias"], "references": ["matched"], "targets": ["image", "lightmap"], "path_tracer": false, "target_error": )" + target + R"(, "base": )" + base + "}", folder / "e.json");
+  };
+  Sweep sweep(experiment("1000"), folder / "out");
+  const auto session = makeSession();
+  Progress p;
+  sweep.run(*session, p);
+  expectNoMessages(*session);
+  const SweepResults& r = sweep.results();
+  ASSERT_EQ(r.failed(), 0u);
+  EXPECT_GT(r.copyGbps, 0);
+  // The lightmap's error is what the session measures: area-weighted over its own texels.
+  session->load(r.plan[0].preset);
+  session->settle();
+  session->reference("lightmap");
+  const std::vector<ErrorValue> own = session->measureErrors({"relmse"}, "lightmap");
+  ASSERT_EQ(own.size(), 1u);
+  int found = 0;
+  for (const ErrorValue& e : r.runs[0]->errors)
+    if (e.target == "lightmap" && e.metric == "relmse") {
+      EXPECT_EQ(e.value, own[0].value);
+      ++found;
+    }
+  EXPECT_EQ(found, 1);
+
+  const Summary s = summarise(r);
+  for (const char* pass : {"srp: project clusters", "srp: irradiance transport"}) {
+    int rows = 0;
+    for (const ConfigurationSummary& c : s.configurations)
+      for (const PassSummary& stated : c.passes)
+        if (stated.name == pass && stated.bytes > 0) {
+          EXPECT_GT(stated.gbps(), 0);
+          ++rows;
+        }
+    EXPECT_GE(rows, 3) << pass;
+  }
+  int memory = 0;
+  for (const CostSlope& slope : costSlopes(r, s)) {
+    EXPECT_EQ(slope.key, "srp.sh_order");
+    EXPECT_EQ(slope.quantity, "bands");
+    EXPECT_EQ(slope.points.size(), 3u) << "the compressed one is of another kind";
+    EXPECT_EQ(slope.points.back().first, 5);
+    if (slope.cost == "technique_bytes") {
+      EXPECT_GT(slope.slope, 0);
+      ++memory;
+    }
+  }
+  EXPECT_EQ(memory, 1);
+  for (const WithinTarget& t : withinTarget(r, s)) {
+    ASSERT_TRUE(t.configuration);
+    double least = 1e30;
+    for (const ConfigurationSummary& c : s.configurations) least = std::min(least, costOf(c, t.axis, r.experiment.amortiseFrames).median);
+    EXPECT_EQ(t.cost, least) << "all are within it";
+  }
+  const std::string report = readFile(folder / "out/report.md");
+  for (const char* part : {"lightmap relmse", "lightmap bias", "Memory traffic", "share of copy", "How cost grows", "Cheapest with relmse at most 1000"}) EXPECT_NE(report.find(part), std::string::npos) << part;
+  const auto document = nlohmann::json::parse(readFile(folder / "out/results.json"));
+  EXPECT_GT(document.at("copy_gbps").get<double>(), 0);
+  EXPECT_FALSE(document.at("cost_slopes").empty());
+  EXPECT_GT(document.at("configurations")[0].at("memory_traffic")[0].at("share_of_copy").get<double>(), 0);
+  EXPECT_TRUE(sweepJson(openSweep(folder / "out"), summarise(openSweep(folder / "out"))) == readFile(folder / "out/results.json"));
+
+  // Another target measures nothing anew; none can be below it here.
+  Sweep strict(experiment("1e-9"), folder / "out");
+  size_t made = 0;
+  strict.onRun = [&](const SweepResults&, size_t) { ++made; };
+  strict.run(*session, p);
+  EXPECT_EQ(made, 0u);
+  EXPECT_NE(readFile(folder / "out/report.md").find("none of these"), std::string::npos);
+}
+
+TEST(CostSlopes, FollowAPowerAndSayHowSure) {
+  std::vector<std::pair<double, double>> points;
+  for (const double x : {1.0, 2.0, 4.0, 9.0}) points.push_back({x, 3 * std::pow(x, 1.7)});
+  EXPECT_NEAR(logLogSlope(points).first, 1.7, 1e-12);
+  EXPECT_NEAR(logLogSlope(points).second, 0, 1e-7);
+  points[2].second *= 2;
+  EXPECT_GT(logLogSlope(points).second, 0.1);
+  EXPECT_TRUE(std::isnan(logLogSlope({{2, 1}, {2, 3}, {2, 4}}).first));
 }
 
 TEST_F(SweepTest, CancelledItKeepsWhatIsDoneAndGoesOn) {

@@ -1,8 +1,10 @@
 // Edits, undo and redo, and what of it reaches the session.
+#include <QPushButton>
 #include <QTest>
 
 #include "fake_link.h"
 #include "ui/document.h"
+#include "ui/rebuild_bar.h"
 
 namespace {
 
@@ -81,6 +83,100 @@ class DocumentTest : public QObject {
     QCOMPARE(document_->preset().technique, other.id);
     QCOMPARE(document_->preset().parameters, before);
     QVERIFY(link_.takeCalls().front().contains(QString::fromStdString(own.key() + "=" + value)));
+  }
+
+  static RebuildForecast longRebuild() {
+    RebuildForecast f;
+    f.rebuilds = true;
+    f.seconds = 12;
+    f.work.rays = 1.2e8, f.work.bytes = 2.7e7, f.work.bytesBefore = 2.34e8;
+    f.parts = {{"rays", 11}, {"preparation", 1}};
+    return f;
+  }
+  void withSrp() {
+    Preset p;
+    p.technique = "srp";
+    emit link_.opened(p, {});
+    link_.takeCalls();
+  }
+
+  void aLongRebuildWaitsToBeAskedFor() {
+    withSrp();
+    RebuildBar bar(*document_);
+    link_.forecast = longRebuild();
+    document_->editParameters({{"srp.sh_order", "6"}}, "order");
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    QCOMPARE(link_.forecastOf, (std::map<std::string, std::string>{{"srp.sh_order", "6"}}));
+    QCOMPARE(document_->parameter("srp.sh_order"), std::string("6"));
+    QVERIFY(bar.isVisibleTo(nullptr));
+    for (const char* part : {"about 12 s", "120 million rays", "27 MB", "234 MB"}) QVERIFY2(bar.text().contains(part), qPrintable(bar.text()));
+    // Live ones go on meanwhile, and a second one joins the first.
+    document_->editParameters({{"srp.least_valid", "0.7"}}, "live");
+    QCOMPARE(link_.takeCalls(), QStringList{"param srp.least_valid=0.7"});
+    document_->editParameters({{"srp.k", "4"}}, "k");
+    QCOMPARE(link_.forecastOf.size(), size_t(2));
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    bar.rebuildButton()->click();
+    QCOMPARE(link_.takeCalls(), (QStringList{"param srp.k=4", "param srp.sh_order=6"}));
+    QVERIFY(!document_->pendingRebuild().waits());
+    QVERIFY(!bar.isVisibleTo(nullptr));
+  }
+
+  void whatWaitsIsRevertedToWhatTheSessionHas() {
+    withSrp();
+    RebuildBar bar(*document_);
+    link_.forecast = longRebuild();
+    document_->editParameters({{"srp.sh_order", "6"}}, "order");
+    document_->editParameters({{"srp.sh_order", "7"}}, "order");
+    document_->editProbes(std::vector<vec3>{{1, 2, 3}}, true, "probes");
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    bar.revertButton()->click();
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    QVERIFY(!document_->pendingRebuild().waits());
+    QVERIFY(document_->preset().parameters.empty());
+    QVERIFY(!document_->preset().probes);
+    document_->undoStack().undo();  // of the revert
+    QCOMPARE(document_->parameter("srp.sh_order"), std::string("7"));
+    QVERIFY(document_->pendingRebuild().waits("srp.sh_order"));
+    document_->pendingRebuild().make();
+    QCOMPARE(link_.takeCalls(), (QStringList{"probes 1", "param probes.placement=manual", "param srp.sh_order=7"}));
+    // Undone by hand to where it was: nothing waits.
+    document_->editParameters({{"srp.k", "4"}}, "k");
+    document_->undoStack().undo();
+    QVERIFY(!document_->pendingRebuild().waits());
+    QCOMPARE(link_.takeCalls(), QStringList{});
+  }
+
+  void aShortOneIsMadeAtOnceAndARefusedOneNot() {
+    withSrp();
+    RebuildBar bar(*document_);
+    link_.forecast = longRebuild();
+    link_.forecast->seconds = 0.5;
+    document_->editParameters({{"srp.sh_order", "2"}}, "order");
+    QCOMPARE(link_.takeCalls(), QStringList{"param srp.sh_order=2"});
+    link_.forecast->refused = "srp.probe_rays: too few";
+    document_->editParameters({{"srp.sh_order", "8"}}, "order");
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    QVERIFY(bar.text().contains("too few"));
+    QVERIFY(!bar.rebuildButton()->isEnabled());
+    // An answer that comes late is of something else.
+    link_.silent = true;
+    document_->editParameters({{"srp.sh_order", "3"}}, "order");
+    const quint64 late = link_.forecastTicket;
+    document_->editParameters({{"srp.sh_order", "4"}}, "order");
+    link_.forecast->refused.clear();
+    emit link_.forecastIs(*link_.forecast, late);
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    QTRY_VERIFY(bar.text().contains("being estimated"));
+    emit link_.forecastIs(*link_.forecast, link_.forecastTicket);
+    QCOMPARE(link_.takeCalls(), QStringList{"param srp.sh_order=4"});
+    // With another technique everything is made anyway; a file that is opened brings its own.
+    document_->editParameters({{"lightmap.resolution", "64"}}, "lightmap");
+    document_->editTechnique("radiosity");
+    QCOMPARE(link_.takeCalls().front(), QString("param lightmap.resolution=64"));
+    document_->editParameters({{"lightmap.resolution", "32"}}, "lightmap");
+    emit link_.opened(Preset{}, {});
+    QVERIFY(!document_->pendingRebuild().waits());
   }
 
   void theCameraStaysWhenEditsAreUndone() {

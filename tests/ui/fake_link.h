@@ -70,6 +70,15 @@ class FakeLink : public EngineLink {
     note("request preset");
     lastTicket = ticket;
   }
+  /// Answered at once: with `forecast`, or, where that is empty, that nothing takes long. Not at all with `silent`.
+  void requestForecast(quint64 ticket, const std::map<std::string, std::string>& changes, const std::optional<std::optional<std::vector<vec3>>>&) override {
+    forecastTicket = ticket, forecastOf = changes;
+    if (!silent) emit forecastIs(forecast.value_or(RebuildForecast{}), ticket);
+  }
+  std::optional<RebuildForecast> forecast;
+  bool silent = false;
+  quint64 forecastTicket = 0;
+  std::map<std::string, std::string> forecastOf;
   void savePreset(const Preset& p, const QString& path) override {
     loaded = p;
     calls << "save " + path;

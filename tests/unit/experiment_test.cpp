@@ -112,7 +112,7 @@ TEST(Experiment, ATechniquesOwnAxesLeaveTheOthersSingle) {
 
 TEST(Experiment, RoundTrips) {
   const Experiment e = read(R"("permute": [{"technique": ["none"]}, {"radiosity.samples": [16, 64], "radiosity.residual": [0.1], "radiosity.lookup": ["nearest"], "radiosity.unweighted": [true],
-      "resolution": [64, 48], "camera": ["a", "b"]}], "seeds": [3, 1], "metrics": ["bias", "relmse"], "references": ["full"], "stop": {"ms": 12.5}, "repeats": 3, "limit_ms": 2500,
+      "resolution": [64, 48], "camera": ["a", "b"]}], "seeds": [3, 1], "metrics": ["bias", "relmse"], "references": ["full"], "targets": ["lightmap", "image"], "target_error": 0.05, "stop": {"ms": 12.5}, "repeats": 3, "limit_ms": 2500,
       "amortise_frames": 10, "path_tracer": false, "images": true)");
   const std::string text = experimentJson(e);
   const Experiment again = experimentFromJson(text, "again.json");
@@ -151,6 +151,8 @@ TEST(Experiment, MistakesAreNamed) {
   expectRefusal(R"("seeds": {"from": 4294967295, "count": 2})", "above 4294967295");
   expectRefusal(R"("metrics": ["relmsee"])", "did you mean relmse?");
   expectRefusal(R"("references": ["half"])", "matched");
+  expectRefusal(R"("targets": ["atlas"])", "lightmap");
+  expectRefusal(R"("target_error": -1)", "target_error");
   expectRefusal(R"("stop": {})", "one of settled, frames and ms");
   expectRefusal(R"("stop": {"settled": true, "frames": 3})", "one of settled, frames and ms");
   expectRefusal(R"("stop": {"settled": false})", "true is wanted");

@@ -94,8 +94,7 @@ std::vector<vec4> RadiosityBake::makeDirections(Progress& progress) {
 /// As many buffers as the budget has room for, each of whole units, so that no unit's codes lie in two.
 void RadiosityBake::allocateCache() {
   const uint64_t lumelBytes = uint64_t{4} * static_cast<uint64_t>(params_.samples);
-  const uint64_t budget = static_cast<uint64_t>(params_.hit_cache_mb) << 20;
-  const uint64_t affordable = std::min<uint64_t>(lumels_, budget / lumelBytes);
+  const uint64_t affordable = rememberedLumels(lumels_, params_);
   lumelsPerCache_ = static_cast<uint32_t>(std::min<uint64_t>(device_.maxStorageBufferBytes() / lumelBytes, 1u << 30));
   if (lumelsPerCache_ > castLumels_) lumelsPerCache_ -= lumelsPerCache_ % castLumels_;
   for (uint64_t first = 0; first < affordable; first += lumelsPerCache_) {
@@ -103,6 +102,10 @@ void RadiosityBake::allocateCache() {
     cache_.push_back(device_.buffer("radiosity: hit cache " + std::to_string(cache_.size()), count * lumelBytes));
   }
   cacheCapacity_ = static_cast<uint32_t>(affordable);
+}
+
+uint64_t RadiosityBake::rememberedLumels(uint64_t lumels, const RadiosityParams& params) {
+  return std::min(lumels, (static_cast<uint64_t>(params.hit_cache_mb) << 20) / (uint64_t{4} * static_cast<uint64_t>(params.samples)));
 }
 
 void RadiosityBake::uploadPoints() {
@@ -124,23 +127,25 @@ void RadiosityBake::restart(const RadiosityParams& params) {
   bounce_ = 0;
   next_ = 0;
   done_ = 0;
+  workDone_ = {};
   outcome_ = std::make_shared<Outcome>();
 }
 
-uint32_t RadiosityBake::directSamples() const {
-  return scene_.directLight.exactAfterOneSample() ? 1 : static_cast<uint32_t>(scene_.direct.lumel_samples);
+uint32_t RadiosityBake::directSamples(const SceneView& scene) {
+  return scene.directLight.exactAfterOneSample() ? 1 : static_cast<uint32_t>(scene.direct.lumel_samples);
 }
+
+uint32_t RadiosityBake::directRays(const GpuScene& scene) { return std::max(1u, scene.lightCount + (scene.emitterCount > 0 ? 1u : 0u) + 1u); }
 
 /// Lumels a unit of direct light takes: all of them in turn, then the next sample.
 static uint32_t directLumels(const Device& device, const GpuScene& scene) {
-  const uint32_t rays = std::max(1u, scene.lightCount + (scene.emitterCount > 0 ? 1u : 0u) + 1u);
-  return std::max(1u, unitSize(device).directRays / rays);
+  return std::max(1u, unitSize(device).directRays / RadiosityBake::directRays(scene));
 }
 
 uint64_t RadiosityBake::directUnits() const {
   const uint64_t left = groups(lumels_ - directFirst_, directLumels(device_, scene_.gpuScene));
   const uint64_t whole = groups(lumels_, directLumels(device_, scene_.gpuScene));
-  return directSample_ >= directSamples() ? 0 : left + (directSamples() - directSample_ - 1) * whole;
+  return directSample_ >= directSamples(scene_) ? 0 : left + (directSamples(scene_) - directSample_ - 1) * whole;
 }
 
 bool RadiosityBake::settled() const {
@@ -175,7 +180,7 @@ WorkState RadiosityBake::work() const {
     return state;
   }
   state.total += directUnits() + piecesFrom(next_, cached_) + static_cast<uint64_t>(params_.bounces - bounce_ - 1) * piecesFrom(0, cacheCapacity_);
-  state.label = directUnits() > 0 ? "direct light " + std::to_string(directSample_ + 1) + " of " + std::to_string(directSamples())
+  state.label = directUnits() > 0 ? "direct light " + std::to_string(directSample_ + 1) + " of " + std::to_string(directSamples(scene_))
                                   : "bounce " + std::to_string(bounce_ + 1) + " of " + std::to_string(params_.bounces);
   return state;
 }
@@ -212,6 +217,7 @@ void RadiosityBake::recordUnit(FrameGraph& graph) {
 void RadiosityBake::recordDirect(FrameGraph& graph) {
   const uint32_t count = std::min(directLumels(device_, scene_.gpuScene), lumels_ - directFirst_);
   scene_.directLight.record(graph, "radiosity: direct light", points_, direct_, directFirst_, count, scene_.seed, directSample_);
+  workDone_.directRays += static_cast<double>(count) * directRays(scene_.gpuScene);
   directFirst_ += count;
   if (directFirst_ == lumels_) directFirst_ = 0, ++directSample_;
   directImageStale_ = true;
@@ -222,6 +228,9 @@ void RadiosityBake::recordPiece(FrameGraph& graph, const Piece& piece) {
   const bool kept = piece.cached || piece.remember;
   const Buffer& codes = kept ? cache_[piece.first / lumelsPerCache_] : codes_;
   const uint32_t base = kept ? piece.first % lumelsPerCache_ * static_cast<uint32_t>(params_.samples) : 0;
+  const double samples = static_cast<double>(piece.count) * params_.samples;
+  workDone_.rays += piece.cached ? 0 : samples;
+  workDone_.gathered += samples;
   if (!piece.cached) {
     recordCast(graph, piece, codes, base);
   } else {

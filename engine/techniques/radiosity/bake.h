@@ -31,6 +31,17 @@ class RadiosityBake {
   const GpuImage& directLightmap() const { return directImage_; }
   const Buffer& irradiance() const { return irradiance_; }
 
+  /// What units have done since the start.
+  struct Done {
+    double directRays = 0, rays = 0, gathered = 0;  ///< gathered: samples, remembered or cast
+  };
+  const Done& workDone() const { return workDone_; }
+  /// Lumels whose hits are remembered: the first so many.
+  static uint64_t rememberedLumels(uint64_t lumels, const RadiosityParams&);
+  /// Rays that direct light takes at a lumel and a sample, at most.
+  static uint32_t directRays(const GpuScene&);
+  static uint32_t directSamples(const SceneView&);
+
   std::vector<MemoryItem> memory() const;
   std::vector<std::pair<std::string, double>> counters() const;
   PickReport pick(uint32_t lumel);
@@ -44,7 +55,6 @@ class RadiosityBake {
   Piece pieceAt(uint32_t lumel, uint32_t cached) const;
   uint64_t piecesFrom(uint32_t lumel, uint32_t cached) const;
   uint64_t directUnits() const;
-  uint32_t directSamples() const;
   bool settled() const;
   void checkSize(const char* what, uint64_t bytes) const;
   std::vector<vec4> makeDirections(Progress&);
@@ -81,6 +91,7 @@ class RadiosityBake {
   int bounce_ = 0;               ///< complete ones
   uint32_t next_ = 0;            ///< first lumel of the current bounce still to do
   uint64_t done_ = 0;
+  Done workDone_;
   struct Outcome {
     double residual = 1;
     bool converged = false;

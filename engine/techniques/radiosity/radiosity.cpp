@@ -4,6 +4,7 @@
 #include "engine/core/error.h"
 #include "engine/passes/pixel_image.h"
 #include "engine/techniques/radiosity/bake.h"
+#include "engine/techniques/radiosity/estimate.h"
 
 namespace hl {
 namespace {
@@ -34,6 +35,11 @@ class Radiosity final : public Technique {
     atlas_ = scene.atlas;
     bake_ = std::make_unique<RadiosityBake>(gpu, scene, params_, progress);
   }
+
+  RebuildEstimate rebuildEstimate(const Device&, const SceneView& scene, double lumels, Progress&) const override {
+    return scene.atlas ? estimateBake(scene, params_, lumels) : RebuildEstimate{};
+  }
+  std::vector<WorkPart> workDone() const override { return bake_ ? bakeWork(bake_->workDone()) : std::vector<WorkPart>{}; }
 
   /// The lightmap lies on surfaces: it does not depend on who looks at them.
   bool follows(Change change) const override { return change == Change::Camera; }

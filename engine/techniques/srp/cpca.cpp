@@ -127,6 +127,15 @@ Components principalComponents(std::span<const float> values, uint32_t rows, uin
   return result;
 }
 
+double decompositionWork(uint32_t rows, uint32_t columns, uint32_t most) {
+  const double m = rows, n = columns, side = std::min(m, n), l = static_cast<double>(most) + kOversampling;
+  const double project = m * n * std::min(static_cast<double>(most), side);
+  // Eigenvectors by Householder reduction and QR steps: about 9 n^3.
+  if (side <= kExactSide || side <= l) return m * n * side + 9 * side * side * side + project;
+  // Products with A, each followed by a Householder QR (2 m l^2, and as much for Q), and the small matrix B B^T.
+  return (2 + 2 * kPowerIterations) * m * n * l + (kPowerIterations + 1) * 4 * m * l * l + kPowerIterations * 4 * n * l * l + n * l * l + 9 * l * l * l + project;
+}
+
 std::vector<std::vector<float>> constantLights(std::span<const float> matrix, uint32_t rows, uint32_t columns, uint32_t coefficients) {
   // A probe with less than this share of a receiver's transport does not join that receiver's others.
   constexpr double kLeastShare = 1e-3;

@@ -34,6 +34,9 @@ inline constexpr double kLeastHeld = 0.25;  ///< of a light's squared norm
 /// `matrix`: rows x columns, row after row. Empty, zero and rank-one matrices are matrices like any other: the rank kept is never above the true one.
 Components principalComponents(std::span<const float> matrix, uint32_t rows, uint32_t columns, const ComponentSettings&);
 
+/// What that takes at most, in multiplications with an addition, for `most` vectors: of the smaller Gram matrix with its eigenvectors, or of the range finder.
+double decompositionWork(uint32_t rows, uint32_t columns, uint32_t most);
+
 /// Light that is the same everywhere, apart for each group of probes that no receiver of the cluster asks together (two sides of a wall): constant light in one says
 /// nothing about the other. Those of most transport first; probes that no receiver asks have none. `matrix` as above, `coefficients` columns a probe, the first of them band 0.
 std::vector<std::vector<float>> constantLights(std::span<const float> matrix, uint32_t rows, uint32_t columns, uint32_t coefficients);

@@ -24,20 +24,29 @@ constexpr size_t kMostClusters = 65535;
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
 
+/// Lumels that a receiver reads at most.
+uint32_t readsOf(const SrpParams& params) {
+  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
+}
+
+float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
+
 }  // namespace
+
+uint32_t rowsOf(const SrpParams& params) { return params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1; }
 
 Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, Progress& progress)
     : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
-  reads_ = params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
+  reads_ = readsOf(params);
   const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
-  rows_ = params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1;
-  offset_ = scene.direct.ray_offset * scene.gpuScene.diagonal;
+  rows_ = rowsOf(params);
+  offset_ = rayOffset(scene);
   progress.begin("receivers and their probes", 1);
   clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
   progress.advance();
   allocate(scene);
-  takeUp(params.cache ? std::make_shared<TransportStore>(key(scene)) : nullptr);
+  takeUp(params.cache ? std::make_shared<TransportStore>(key(device_, scene, params_)) : nullptr);
   for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
   ++unitsTotal_;
   for (size_t i = 0; i < cluster_; ++i) unitsDone_ += unitsOf(clusters_.clusters[i]);
@@ -56,10 +65,9 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
   compressor_ = std::make_shared<Compressor>(params_, scene_.seed, compressions_, std::move(store), std::move(finished));
 }
 
-/// Of all that decides about the coefficients.
-std::string Precomputation::key(const SceneView& scene) const {
+std::string Precomputation::key(const Device& device, const SceneView& scene, const SrpParams& params) {
   Hasher h;
-  h.value(kVersion).text(device_.info().name).text(device_.info().driver).text(scene.tracer.id()).value(scene.seed).value(offset_);
+  h.value(kVersion).text(device.info().name).text(device.info().driver).text(scene.tracer.id()).value(scene.seed).value(rayOffset(scene));
   h.array(scene.scene.positions).array(scene.scene.indices).array(scene.scene.materialIds);
   for (const Material& m : scene.scene.materials) {
     h.value(m.twoSided).value(m.alphaCutoff);
@@ -68,9 +76,9 @@ std::string Precomputation::key(const SceneView& scene) const {
   h.array(scene.probes->positions);
   h.value<uint64_t>(scene.atlas->lumels.size());
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
-  h.value(params_.sh_order).value(params_.receiver_rays).value(params_.receivers).value(params_.support).value(params_.radius).value(params_.k);
-  h.value(params_.compression).value(params_.pca_vectors).value(params_.pca_tolerance).value(params_.pca_keep_constant).value(params_.clustering).value(params_.cluster_size);
-  h.value(params_.environment_rays).value(params_.sample_weight).value(reads_).value(params_.probe_share);
+  h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
+  h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size);
+  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share);
   return h.hex();
 }
 
@@ -95,7 +103,7 @@ void Precomputation::allocate(const SceneView& scene) {
   const uint64_t largest = device_.maxStorageBufferBytes();
   const uint64_t least = fixed + leastQuestions * questionBytes;
   if (least > budget)
-    throw Error(ErrorKind::TooLarge, fmt::format("srp: a cluster of {} receivers needs {} MiB to be computed in, and srp.precompute_memory_mb is {}; lower srp.cluster_size",
+    throw Error(ErrorKind::BadInput, fmt::format("srp: a cluster of {} receivers needs {} MiB to be computed in, and srp.precompute_memory_mb is {}; lower srp.cluster_size",
                                                  receivers, (least >> 20) + 1, params_.precompute_memory_mb));
   if (4 * matrix > largest || leastQuestions * sizeof(shared::Ray) > largest)
     throw Error(ErrorKind::TooLarge, fmt::format("srp: a cluster's {} MiB are more than a buffer of this device holds ({}); lower srp.cluster_size",

@@ -12,6 +12,9 @@
 
 namespace hl {
 
+/// Rows of transport a receiver has: one, or those of directional receivers.
+uint32_t rowsOf(const SrpParams&);
+
 class Precomputation {
  public:
   /// Clusters, working memory, and what the cache on disk has. `triangles`, `lumelOfTexel`: of LightmapTables, on the device.
@@ -29,11 +32,14 @@ class Precomputation {
   uint64_t workingBytes() const;   ///< on the device
   uint64_t hostBytes() const;      ///< results, and the probes of receivers
   uint64_t raysCast() const { return raysCast_; }
+  /// Clusters that are done here, those from disk left out: [first, last).
+  std::pair<size_t, size_t> computed() const { return {fromDisk_, cluster_}; }
+  /// Of all that decides about the coefficients: what the file on disk is named by.
+  static std::string key(const Device&, const SceneView&, const SrpParams&);
 
  private:
   uint64_t unitsOf(const ReceiverCluster&) const;
   uint32_t samplesPerUnit(const ReceiverCluster&) const;
-  std::string key(const SceneView&) const;
   void allocate(const SceneView&);
   void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);

@@ -7,6 +7,7 @@
 #include "engine/core/error.h"
 #include "engine/passes/lightmap_images.h"
 #include "engine/passes/pixel_image.h"
+#include "engine/techniques/srp/estimate.h"
 #include "engine/techniques/srp/pick.h"
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/probe_samples.h"
@@ -61,9 +62,7 @@ class Srp final : public Technique {
     if (2 * scene.scene.triangles() > gpu.device.maxTexelBufferElements())
       throw Error(ErrorKind::TooLarge, "srp: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                          std::to_string(gpu.device.maxTexelBufferElements() / 2) + ")");
-    if (params_.probe_rays < shared::shCount(params_.sh_order))
-      throw Error(ErrorKind::BadInput, "srp.probe_rays: " + std::to_string(params_.probe_rays) + " rays can't tell the " + std::to_string(shared::shCount(params_.sh_order)) +
-                                         " coefficients of order " + std::to_string(params_.sh_order) + " apart; more rays, or a lower srp.sh_order");
+    checkSettings();
     gpu_.emplace(gpu);
     view_.emplace(scene);
     tables_ = makeLightmapTables(scene.scene, *scene.atlas, scene.lightmap.dilation, progress);
@@ -74,6 +73,19 @@ class Srp final : public Technique {
     precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
+  }
+  RebuildEstimate rebuildEstimate(const Device& device, const SceneView& scene, double lumels, Progress& progress) const override {
+    if (scene.atlas == nullptr || scene.probes == nullptr) return {};
+    checkSettings();
+    return estimateTransport(device, scene, params_, lumels, progress);
+  }
+  std::vector<WorkPart> workDone() const override {
+    if (!precomputation_) return {};
+    const auto [first, last] = precomputation_->computed();
+    std::vector<WorkPart> work = transportWork(precomputation_->clusters(), first, last, params_, static_cast<uint32_t>(shared::shCount(params_.sh_order)));
+    const double share = samples_->units() > 0 ? static_cast<double>(samples_->done()) / static_cast<double>(samples_->units()) : 0;
+    work.push_back(probeRayWork(share * static_cast<double>(view_->probes->count()) * params_.probe_rays));
+    return work;
   }
   void reset() override {
     frames_ = sinceChange_ = 0;
@@ -124,6 +136,7 @@ class Srp final : public Technique {
     ++frames_;
     sinceChange_ = in.sinceChange + 1;
     runtime_->setParams(params_);
+    if (params_.least_valid != shownLeastValid_) uploadValidity();
     runtime_->record(graph);
     images_->record(graph, runtime_->irradiance());
     result_ = pixelImage(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
@@ -166,6 +179,15 @@ class Srp final : public Technique {
       if (image) pixels += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
     items.push_back({"irradiance at pixels", pixels});
     return items;
+  }
+
+  /// The matrices, and what goes into them and comes out.
+  std::vector<MemoryItem> bytesMoved() const override {
+    if (!runtime_) return {};
+    const Summary& s = summary();
+    const double number = params_.storage == kStorageFloat16 ? 2 : 4, vectors = sizeof(vec4) * s.vectors, receivers = precomputation_->clusters().receivers();
+    return {{"srp: project clusters", static_cast<uint64_t>(s.basis * number + vectors)},
+            {"srp: irradiance transport", static_cast<uint64_t>(s.weights * number + vectors + receivers * (sizeof(vec4) + sizeof(uint32_t)) + s.reads * (sizeof(shared::SrpRead) + sizeof(vec4)))}};
   }
 
   std::vector<std::pair<std::string, double>> counters() const override {
@@ -217,11 +239,18 @@ class Srp final : public Technique {
   }
 
  private:
+  /// What makes no sense together.
+  void checkSettings() const {
+    if (params_.probe_rays < shared::shCount(params_.sh_order))
+      throw Error(ErrorKind::BadInput, "srp.probe_rays: " + std::to_string(params_.probe_rays) + " rays can't tell the " + std::to_string(shared::shCount(params_.sh_order)) +
+                                         " coefficients of order " + std::to_string(params_.sh_order) + " apart; more rays, or a lower srp.sh_order");
+  }
+
   /// Sums over the transport that is there. Asked for in every frame, so kept until there is more of it.
   struct Summary {
     size_t clusters = 0;
     float leastValid = 0;
-    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0;  ///< numbers: of the matrices, uncompressed
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, basis = 0, weights = 0;  ///< numbers: of the matrices, uncompressed
   };
   const Summary& summary() const {
     const std::vector<ClusterTransport>& transport = precomputation_->transport();
@@ -232,6 +261,7 @@ class Srp final : public Technique {
       s.numbers += static_cast<double>(t.receivers) * t.rows * static_cast<double>(t.columns);
       s.reads += static_cast<double>(t.reads.size());
       s.total += t.total, s.discarded += t.discarded;
+      s.basis += static_cast<double>(t.basis.size()), s.weights += static_cast<double>(t.weights.size());
       s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));
       for (float v : t.valid) s.invalid += v < params_.least_valid, s.valid += static_cast<double>(v);
     }
@@ -250,26 +280,36 @@ class Srp final : public Technique {
     frames_ = sinceChange_ = 0;
   }
 
-  void uploadViews() {
+  /// Colours of texels by receiver, `colour(cluster, receiver of it)`; those without one are dark grey.
+  template <class Colour>
+  void uploadTexels(const GpuImage& image, const Colour& colour) {
     const Atlas& atlas = *view_->atlas;
     const ReceiverClusters& clusters = precomputation_->clusters();
-    std::vector<uint32_t> groups(atlas.texelState.size(), 0xff202020u), valid = groups;
+    std::vector<uint32_t> texels(atlas.texelState.size(), 0xff202020u);
     for (uint32_t i = 0; i < clusters.clusters.size(); ++i) {
       const ReceiverCluster& c = clusters.clusters[i];
-      const ClusterTransport& t = precomputation_->transport()[i];
-      for (uint32_t r = 0; r < c.receivers; ++r) {
-        const uint32_t texel = atlas.lumels[clusters.lumelOfReceiver[c.firstReceiver + r]].texel;
-        groups[texel] = clusterColour(i);
-        const auto level = static_cast<uint32_t>(std::lround(255 * std::clamp(t.valid[r], 0.0f, 1.0f)));
-        valid[texel] = t.valid[r] < params_.least_valid ? 0xff0000c0u : 0xff000000u | level << 16 | level << 8 | level;
-      }
+      for (uint32_t r = 0; r < c.receivers; ++r) texels[atlas.lumels[clusters.lumelOfReceiver[c.firstReceiver + r]].texel] = colour(i, r);
     }
-    const ImageDesc desc{atlas.resolution, atlas.resolution, Format::RGBA8};
+    gpu_->device.upload(image, 0, texels.data(), 4 * texels.size());
+  }
+
+  void uploadViews() {
+    const ImageDesc desc{view_->atlas->resolution, view_->atlas->resolution, Format::RGBA8};
     clusterView_ = gpu_->device.image("srp: clusters", desc);
-    gpu_->device.upload(clusterView_, 0, groups.data(), 4 * groups.size());
+    uploadTexels(clusterView_, [](uint32_t cluster, uint32_t) { return clusterColour(cluster); });
     validView_ = gpu_->device.image("srp: valid samples", desc);
-    gpu_->device.upload(validView_, 0, valid.data(), 4 * valid.size());
+    uploadValidity();
     directImage_ = images_->image("direct lightmap");
+  }
+
+  /// Again where `least_valid` has changed.
+  void uploadValidity() {
+    shownLeastValid_ = params_.least_valid;
+    uploadTexels(validView_, [&](uint32_t cluster, uint32_t receiver) {
+      const float valid = precomputation_->transport()[cluster].valid[receiver];
+      const auto level = static_cast<uint32_t>(std::lround(255 * std::clamp(valid, 0.0f, 1.0f)));
+      return valid < params_.least_valid ? 0xff0000c0u : 0xff000000u | level << 16 | level << 8 | level;
+    });
   }
 
   SrpParams params_;
@@ -283,6 +323,7 @@ class Srp final : public Technique {
   GpuImage result_, texels_, directImage_, clusterView_, validView_;
   mutable Summary summary_;
   double albedo_ = 0;
+  float shownLeastValid_ = -1;             ///< in the view
   uint32_t frames_ = 0, sinceChange_ = 0;  ///< since the last reset or change of light; since that, or a change of camera
 };
 

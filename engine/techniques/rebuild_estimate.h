@@ -1,0 +1,27 @@
+#pragma once
+// What a rebuild takes, known before it is begun: counts, from parameters and from how many receivers and probes there are. Time is the session's to tell
+// (engine/session/work_rates.h), which knows how fast this device did such work before.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hl {
+
+/// One kind of work: how much of it there is, counted by the technique beforehand and again as it is done.
+struct WorkPart {
+  enum class Kind { Rays, Sums };
+  std::string name;                 ///< "rays", "decompositions"
+  Kind kind = Kind::Rays;           ///< what `amount` counts: rays, or multiplications with an addition
+  double amount = 0;
+  std::vector<std::string> passes;  ///< that do it, in units of work; by what their names begin with
+};
+
+struct RebuildEstimate {
+  std::vector<WorkPart> parts;      ///< empty: the technique precomputes nothing
+  double rays = 0;                  ///< cast, in all
+  double bytes = 0;                 ///< of what is precomputed, as it is kept on the device
+  double bytesBefore = 0;           ///< ... before compression; 0 where nothing is compressed
+  bool atMost = false;              ///< work may end earlier: an iteration that converges
+};
+
+}  // namespace hl

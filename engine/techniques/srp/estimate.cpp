@@ -1,0 +1,74 @@
+#include "engine/techniques/srp/estimate.h"
+
+#include <algorithm>
+
+#include "engine/techniques/srp/cpca.h"
+#include "engine/techniques/srp/precomputation.h"
+#include "shaders/shared/spherical_harmonics.h"
+
+namespace hl {
+namespace {
+
+/// Rows and columns of a cluster's matrix, and the vectors that it keeps at most.
+struct MatrixSize {
+  double rows = 0, columns = 0, rank = 0;
+};
+MatrixSize sizeOf(const ReceiverCluster& c, const SrpParams& params, uint32_t coefficients) {
+  MatrixSize s;
+  s.rows = static_cast<double>(c.receivers) * rowsOf(params), s.columns = static_cast<double>(c.probes.size()) * coefficients;
+  s.rank = std::min({static_cast<double>(params.pca_vectors), s.rows, s.columns});
+  return s;
+}
+
+}  // namespace
+
+std::vector<WorkPart> transportWork(const ReceiverClusters& clusters, size_t first, size_t last, const SrpParams& params, uint32_t coefficients) {
+  WorkPart rays, sums, decompositions;
+  rays.name = "rays", rays.passes = {"srp: make rays", "srp: cast rays", "srp: ask probes", "srp: mutual visibility", "srp: weigh"};
+  sums.name = "sums", sums.kind = WorkPart::Kind::Sums, sums.passes = {"srp: accumulate", "srp: read surfaces"};
+  decompositions.name = "decompositions", decompositions.kind = WorkPart::Kind::Sums, decompositions.passes = {"srp: compress"};
+  for (size_t i = first; i < last; ++i) {
+    const ReceiverCluster& c = clusters.clusters[i];
+    const double samples = static_cast<double>(c.receivers) * params.receiver_rays, questions = samples * c.slots;
+    rays.amount += samples + questions;
+    sums.amount += questions * coefficients * rowsOf(params);
+    const MatrixSize m = sizeOf(c, params, coefficients);
+    decompositions.amount += params.compression == kCompressionNone ? m.rows * m.columns : decompositionWork(static_cast<uint32_t>(m.rows), static_cast<uint32_t>(m.columns), static_cast<uint32_t>(params.pca_vectors));
+  }
+  return {rays, sums, decompositions};
+}
+
+WorkPart probeRayWork(double rays) {
+  WorkPart part;
+  part.name = "probes' rays", part.amount = rays;
+  part.passes = {"srp: make probes' rays", "srp: cast probes' rays", "srp: find lumels"};
+  return part;
+}
+
+RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, const SrpParams& params, double lumels, Progress& progress) {
+  RebuildEstimate estimate;
+  if (scene.atlas->lumels.empty() || scene.probes->count() == 0) return estimate;
+  const auto coefficients = static_cast<uint32_t>(shared::shCount(params.sh_order));
+  const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
+  const ReceiverClusters clusters =
+      makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients, progress);
+  // Receivers of another lightmap stand as densely as its texels: more clusters of the same size.
+  const double scale = lumels / static_cast<double>(clusters.receivers());
+  size_t onDisk = 0;
+  if (params.cache && scale == 1) onDisk = TransportStore(Precomputation::key(device, scene, params)).read(clusters.clusters.size()).size();
+  estimate.parts = transportWork(clusters, onDisk, clusters.clusters.size(), params, coefficients);
+  for (WorkPart& part : estimate.parts) part.amount *= scale;
+  const double probeRays = static_cast<double>(scene.probes->count()) * params.probe_rays;
+  estimate.rays = estimate.parts.front().amount + probeRays;
+  estimate.parts.push_back(probeRayWork(probeRays));
+  const double number = params.storage == kStorageFloat16 ? 2 : 4;
+  for (const ReceiverCluster& c : clusters.clusters) {
+    const MatrixSize m = sizeOf(c, params, coefficients);
+    const double whole = m.rows * m.columns * number * scale;
+    estimate.bytes += params.compression == kCompressionNone ? whole : m.rank * (m.rows + m.columns) * number * scale;
+    estimate.bytesBefore += params.compression == kCompressionNone ? 0 : whole;
+  }
+  return estimate;
+}
+
+}  // namespace hl
