@@ -160,7 +160,9 @@ RebuildForecast Session::forecastRebuild(const std::map<std::string, std::string
   }
   const SceneView view{*s.scene, s.features, s.gpuScene, *s.tracer, *s.directLight, s.pool, needs.lightmap ? &*s.atlas : nullptr, next.lightmap, next.direct, s.preset.seed,
                        needs.probes ? probes.get() : nullptr};
-  return s.forecastOf(*next.technique, view, lumels, atlasAnew, true, p);
+  const RebuildForecast forecast = s.forecastOf(*next.technique, view, lumels, atlasAnew, true, p);
+  p.begin("", 0);  // nothing of it goes on
+  return forecast;
 }
 
 /// Probes as these parameters place them. What was found is kept: placeProbes() takes it, where these become the session's.
