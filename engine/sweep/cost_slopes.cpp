@@ -37,6 +37,19 @@ std::pair<std::string, std::optional<double>> quantityOf(const SweepResults& r, 
   return {key, value};
 }
 
+/// Varied parameters that all members have at the same value, but for `key`.
+std::string fixedBeside(const SweepResults& r, const std::vector<const ConfigurationSummary*>& members, const std::string& key) {
+  std::string text;
+  for (const auto& [name, value] : r.configurations[members.front()->configuration].values) {
+    const bool same = std::all_of(members.begin(), members.end(), [&](const ConfigurationSummary* c) {
+      const auto& values = r.configurations[c->configuration].values;
+      return std::any_of(values.begin(), values.end(), [&](const auto& v) { return v.first == name && v.second == value; });
+    });
+    if (name != key && same) text += (text.empty() ? "" : ", ") + name + " " + value;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::pair<double, double> logLogSlope(const std::vector<std::pair<double, double>>& points) {
@@ -85,7 +98,7 @@ std::vector<CostSlope> costSlopes(const SweepResults& r, const Summary& s) {
         size_t different = points.empty() ? 0 : 1;
         for (size_t i = 1; i < points.size(); ++i) different += points[i].first > points[i - 1].first;
         if (different < kLeastPoints) continue;
-        CostSlope slope{group.first, key, quantity, cost, points, 0, 0};
+        CostSlope slope{group.first, key, fixedBeside(r, members, key), quantity, cost, points, 0, 0};
         std::tie(slope.slope, slope.standardError) = logLogSlope(points);
         out.push_back(std::move(slope));
       }

@@ -12,6 +12,7 @@ namespace hl {
 struct CostSlope {
   size_t problem = 0;
   std::string key;       ///< the parameter
+  std::string fixed;     ///< what else the sweep varies, as it was held here: "srp.compression none"; empty where all of it was as in the base
   std::string quantity;  ///< what the cost is plotted over: "bands" (order + 1), "probes", "receivers", "lumels" as the technique counted them, else the parameter itself
   std::string cost;      ///< "technique_ms" (own passes of a frame), "bake_ms" (preparation and work), "technique_bytes"
   std::vector<std::pair<double, double>> points;  ///< by growing quantity

@@ -177,11 +177,11 @@ std::string slopeTable(const SweepResults& r, const Summary& s, size_t problem) 
     if (c.problem != problem) continue;
     const auto& [x0, y0] = c.points.front();
     const auto& [x1, y1] = c.points.back();
-    rows += fmt::format("| {} | {} | {:.4g} to {:.4g} | {:.4g} to {:.4g} | {:.3g} ± {:.2g} |\n", c.cost, c.quantity, x0, x1, y0, y1, c.slope, c.standardError);
+    rows += fmt::format("| {} | {} | {} | {:.4g} to {:.4g} | {:.4g} to {:.4g} | {:.3g} ± {:.2g} |\n", c.cost, c.quantity, c.fixed.empty() ? "-" : cell(c.fixed), x0, x1, y0, y1, c.slope, c.standardError);
   }
   if (rows.empty()) return "";
   return "### How cost grows\n\nSlopes of straight lines in both logarithms, by least squares, with their standard error: 1 is proportional. A technique's passes of a frame, its preparation and work, its memory.\n\n"
-         "| cost | over | from, to | cost from, to | slope |\n| --- | --- | --- | --- | --- |\n" + rows + "\n";
+         "| cost | over | with | from, to | cost from, to | slope |\n| --- | --- | --- | --- | --- | --- |\n" + rows + "\n";
 }
 
 std::string targetTable(const SweepResults& r, const Summary& s, size_t problem) {

@@ -103,7 +103,7 @@ std::string sweepJson(const SweepResults& r, const Summary& s) {
   for (const SpeedTable& t : s.tables) writeTable(w, t);
   w.endArray().key("cost_slopes").beginArray();
   for (const CostSlope& c : costSlopes(r, s)) {
-    w.beginObject().member("problem", c.problem).member("key", c.key).member("quantity", c.quantity).member("cost", c.cost).member("slope", c.slope);
+    w.beginObject().member("problem", c.problem).member("key", c.key).member("fixed", c.fixed).member("quantity", c.quantity).member("cost", c.cost).member("slope", c.slope);
     w.member("standard_error", c.standardError).key("points").beginArray();
     for (const auto& [x, y] : c.points) w.beginObject().member("quantity", x).member("cost", y).endObject();
     w.endArray().endObject();

@@ -144,6 +144,7 @@ TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
   for (const CostSlope& slope : costSlopes(r, s)) {
     EXPECT_EQ(slope.key, "srp.sh_order");
     EXPECT_EQ(slope.quantity, "bands");
+    EXPECT_EQ(slope.fixed, "srp.compression none");
     EXPECT_EQ(slope.points.size(), 3u) << "the compressed one is of another kind";
     EXPECT_EQ(slope.points.back().first, 5);
     if (slope.cost == "technique_bytes") {
