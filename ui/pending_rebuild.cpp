@@ -60,7 +60,8 @@ std::optional<PendingRebuild::Probes> PendingRebuild::probesNow() const { return
 
 void PendingRebuild::onForecast(const RebuildForecast& forecast, quint64 ticket) {
   if (ticket != ticket_ || !waits()) return;
-  if (!forecast.rebuilds || (forecast.refused.empty() && forecast.seconds < kAskFrom)) return make();
+  // Who cancels the answer has not said yes: it goes on waiting.
+  if (!forecast.cancelled && (!forecast.rebuilds || (forecast.refused.empty() && forecast.seconds < kAskFrom))) return make();
   forecast_ = forecast;
   emit changed();
 }

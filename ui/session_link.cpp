@@ -197,9 +197,9 @@ void SessionLink::requestForecast(quint64 ticket, const std::map<std::string, st
       forecast = s.forecastRebuild(changes, probes);
     } catch (const Error& e) {
       if (e.kind() == ErrorKind::Device) throw;
-      // Refused or cancelled: the rebuild itself says so, in the place where such things are said.
       forecast.rebuilds = true;
-      if (e.kind() != ErrorKind::Cancelled) forecast.refused = e.what();
+      if (e.kind() == ErrorKind::Cancelled) forecast.cancelled = true;
+      else forecast.refused = e.what();
     }
     QMetaObject::invokeMethod(this, [this, forecast, ticket] { emit forecastIs(forecast, ticket); }, Qt::QueuedConnection);
   });

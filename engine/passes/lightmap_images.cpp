@@ -88,15 +88,15 @@ void LightmapImages::record(FrameGraph& graph, const Buffer& values) {
   for (int ring = 0; ring < dilation_; ++ring) dilate(graph, ring % 2 == 0 ? lightmap_ : spare_, ring % 2 == 0 ? spare_ : lightmap_, ring == 0, false);
 }
 
-void LightmapImages::recordSlopes(FrameGraph& graph, const Buffer& slopes) {
-  if (!slopes_[0]) {
-    const char* names[] = {"slopes of red", "slopes of green", "slopes of blue"};
-    for (size_t i = 0; i < 3; ++i) slopes_[i] = image(names[i]);
-    if (dilation_ > 0) slopeSpare_ = image("dilated slopes");
+void LightmapImages::recordLinear(FrameGraph& graph, const Buffer& slopes) {
+  if (!linear_[0]) {
+    const char* names[] = {"slopes of red", "slopes of green", "slopes of blue", "constants beside slopes"};
+    for (size_t i = 0; i < 4; ++i) linear_[i] = image(names[i]);
+    if (dilation_ > 0) linearSpare_ = image("dilated slopes");
   }
-  for (uint32_t channel = 0; channel < 3; ++channel) {
+  for (uint32_t channel = 0; channel < 4; ++channel) {
     // Begun so that the last ring ends in the channel's own image, and one spare serves all.
-    const auto target = [&](int ring) { return (dilation_ - ring) % 2 == 0 ? slopes_[channel] : slopeSpare_; };
+    const auto target = [&](int ring) { return (dilation_ - ring) % 2 == 0 ? linear_[channel] : linearSpare_; };
     write(graph, slopes, channel, target(0));
     for (int ring = 0; ring < dilation_; ++ring) dilate(graph, target(ring), target(ring + 1), ring == 0, true);
   }
@@ -108,7 +108,7 @@ void LightmapImages::skip(FrameGraph& graph, const char* reason) const {
 }
 
 void LightmapImages::recordPixels(FrameGraph& graph, const std::string& pass, const GBuffer& g, const GpuImage& to, bool nearest, bool checker,
-                                  bool mapped) {
+                                  bool mapped, bool clampNegative) {
   if (!checker) {
     graph.clear(prefix_ + ": clear pixel counters", pixelCounters_);
     counted_ = true;
@@ -120,15 +120,16 @@ void LightmapImages::recordPixels(FrameGraph& graph, const std::string& pass, co
       .bind("ids", g.ids, Access::Read)
       .bind("chartOfTriangle", chartOfTriangle_, Access::Read)
       .bind("chartOfTexel", chartOfTexel_, Access::Read)
-      .bind("lightmap", dilated_, Access::Read)
-      .bind("slopesRed", mapped ? slopes_[0] : dilated_, Access::Read)
-      .bind("slopesGreen", mapped ? slopes_[1] : dilated_, Access::Read)
-      .bind("slopesBlue", mapped ? slopes_[2] : dilated_, Access::Read)
+      .bind("lightmap", mapped ? linear_[3] : dilated_, Access::Read)
+      .bind("slopesRed", mapped ? linear_[0] : dilated_, Access::Read)
+      .bind("slopesGreen", mapped ? linear_[1] : dilated_, Access::Read)
+      .bind("slopesBlue", mapped ? linear_[2] : dilated_, Access::Read)
       .bind("result", to, Access::Write)
       .bind("pixelCounters", pixelCounters_, Access::ReadWrite)
       .specialize("kNearest", nearest)
       .specialize("kChecker", checker)
       .specialize("kMapped", mapped)
+      .specialize("kClampNegative", clampNegative)
       .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
 }
 
@@ -142,7 +143,7 @@ std::vector<std::pair<std::string, uint64_t>> LightmapImages::memory() const {
   uint64_t tables = 0, images = 0;
   for (const Buffer* b : {&lumelOfTexel_, &chartOfTexel_, &chartOfTriangle_}) tables += b->size();
   const uint64_t texels = static_cast<uint64_t>(side_) * static_cast<uint64_t>(side_);
-  images = 16 * texels * ((spare_ ? 2 : 1) + (slopes_[0] ? 3 : 0) + (slopeSpare_ ? 1 : 0));
+  images = 16 * texels * ((spare_ ? 2 : 1) + (linear_[0] ? 4 : 0) + (linearSpare_ ? 1 : 0));
   return {{"texel tables", tables}, {"lightmap", images}, {"atlas views", 8 * texels}};
 }
 

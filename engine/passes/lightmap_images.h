@@ -19,14 +19,16 @@ class LightmapImages {
 
   /// Values (vec4 a lumel, in the atlas's order) to lightmap(): "<prefix>: write lightmap", "<prefix>: dilate".
   void record(FrameGraph&, const Buffer& values);
-  /// How irradiance changes with the normal (vec4 a channel and lumel, all lumels' red ones first), for recordPixels with `mapped`, in the same passes.
-  void recordSlopes(FrameGraph&, const Buffer& slopes);
+  /// Irradiance as a linear function of the normal n, c + slope . n, for recordPixels with `mapped`, in the same passes: vec4 a lumel, all lumels' slopes of red first, then of green,
+  /// of blue, then their constants.
+  void recordLinear(FrameGraph&, const Buffer& slopes);
   void skip(FrameGraph&, const char* reason) const;
   /// Sums (vec4 a lumel: RGB, w: number of samples) to an image of its own, not dilated, in the pass "<prefix>: write <what>".
   void recordMeans(FrameGraph&, const char* what, const Buffer& sums, const GpuImage& to) const;
   /// lightmap() at pixels, RGBA32F: bilinear within the surface's own chart, or nearest; `checker` dims every second texel and counts nothing.
-  /// `mapped`: for the mapped normal, by what recordSlopes has recorded: E + slope . (n - the triangle's), at least 0.
-  void recordPixels(FrameGraph&, const std::string& pass, const GBuffer&, const GpuImage& to, bool nearest, bool checker, bool mapped = false);
+  /// `mapped`: for the mapped normal, by what recordLinear has recorded; `clampNegative`: at least 0.
+  void recordPixels(FrameGraph&, const std::string& pass, const GBuffer&, const GpuImage& to, bool nearest, bool checker, bool mapped = false,
+                    bool clampNegative = false);
   GpuImage image(const char* name) const;  ///< of the lightmap's size, RGBA32F
 
   const GpuImage& lightmap() const { return dilated_; }
@@ -45,7 +47,7 @@ class LightmapImages {
   std::string prefix_;
   int side_, dilation_;
   Buffer lumelOfTexel_, chartOfTexel_, chartOfTriangle_, pixelCounters_;
-  GpuImage slopes_[3], slopeSpare_;
+  GpuImage linear_[4], linearSpare_;  ///< slopes of red, green and blue; constants
   GpuImage lightmap_, spare_, dilated_, validity_, charts_;
   bool counted_ = false;
 };

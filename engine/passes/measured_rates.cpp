@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/core/error.h"
+
 namespace hl {
 namespace {
 
 constexpr int kRuns = 9;           // after warming up
 constexpr double kWarmUpMs = 300;  // of work on a GPU
+constexpr int kMostWarmUps = 3000; // where a device's clock says 0, too
+constexpr uint64_t kLeastCopy = 64ull << 20;
 
 /// Bytes copied at once: more than caches hold, no more than a buffer may have.
 uint64_t copyBytes(const Device& device) { return std::min<uint64_t>(device.isCpu() ? 64ull << 20 : 1ull << 30, device.maxStorageBufferBytes() / 16 * 16); }
@@ -22,10 +26,10 @@ double passMs(const BatchTimings& timings) {
 template <class Once>
 double medianMs(const Device& device, Progress& progress, const Once& once) {
   double warm = 0;
-  do {
+  for (int run = 0; run == 0 || (!device.isCpu() && warm < kWarmUpMs && run < kMostWarmUps); ++run) {
     progress.check();
     warm += once();
-  } while (!device.isCpu() && warm < kWarmUpMs);
+  }
   std::vector<double> ms;
   for (int run = 0; run < kRuns; ++run) {
     progress.check();
@@ -39,8 +43,17 @@ double medianMs(const Device& device, Progress& progress, const Once& once) {
 
 double copyRate(Device& device, ShaderLibrary& shaders, Progress& progress) {
   FrameGraph graph(device, shaders);
-  const uint64_t bytes = copyBytes(device);
-  const Buffer from = device.buffer("copy rate: from", bytes), to = device.buffer("copy rate: to", bytes);
+  uint64_t bytes = copyBytes(device);
+  Buffer from, to;
+  try {
+    from = device.buffer("copy rate: from", bytes), to = device.buffer("copy rate: to", bytes);
+  } catch (const Error&) {
+    // Little memory is left beside a scene: less of it then.
+    if (bytes <= kLeastCopy) throw;
+    from = {}, to = {};
+    bytes = kLeastCopy;
+    from = device.buffer("copy rate: from", bytes), to = device.buffer("copy rate: to", bytes);
+  }
   graph.clear("copy rate: clear", from);
   graph.execute();
   const auto words = static_cast<uint32_t>(bytes / 16);
@@ -48,7 +61,7 @@ double copyRate(Device& device, ShaderLibrary& shaders, Progress& progress) {
     graph.compute("copy rate: copy", "passes/copy.comp").bind("from", from, Access::Read).bind("to", to, Access::Write).push(words).dispatchThreads(words);
     return passMs(graph.execute());
   });
-  return static_cast<double>(bytes) / (ms * 1e6);
+  return ms > 0 ? static_cast<double>(bytes) / (ms * 1e6) : 0;
 }
 
 double traceRate(const Device& device, FrameGraph& graph, Tracer& tracer, const Buffer& rays, const Buffer& out, uint32_t count, Query query, Progress& progress) {

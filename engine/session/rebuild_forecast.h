@@ -19,6 +19,7 @@ struct RebuildForecast {
   bool rebuilds = false;          ///< false: nothing begins anew that takes long
   std::string refused;            ///< why rebuilding would be refused, in its words; "" where it would not
   RebuildEstimate work;
+  bool cancelled = false;         ///< before it could be said
   double seconds = -1;            ///< until it is done; -1: the technique says nothing beforehand
   ForecastBasis basis = ForecastBasis::Measured;
   std::vector<std::pair<std::string, double>> parts;  ///< seconds of "lightmap", "allocation" and each kind of work

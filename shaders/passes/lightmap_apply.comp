@@ -7,7 +7,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const bool kNearest = false;
 layout(constant_id = 1) const bool kChecker = false;  ///< every second texel dimmed
-layout(constant_id = 2) const bool kMapped = false;   ///< for the mapped normal, by the slopes
+layout(constant_id = 2) const bool kMapped = false;   ///< for the mapped normal n: the lightmap's value + slopes . n
+layout(constant_id = 3) const bool kClampNegative = false;
 
 layout(rgba32f) readonly uniform image2D position;
 layout(rgba32f) readonly uniform image2D normal;
@@ -52,7 +53,8 @@ void main() {
       add(low + ivec2(1, 1), f.x * f.y, chart, sum);
     }
     // slopes' columns are channels, so a row vector times it has one product a channel.
-    if (kMapped) sum.xyz = max(sum.xyz + (imageLoad(normal, pixel).xyz - imageLoad(geometricNormal, pixel).xyz) * slopes, vec3(0.0));
+    if (kMapped) sum.xyz += imageLoad(normal, pixel).xyz * slopes;
+    if (kClampNegative) sum.xyz = max(sum.xyz, vec3(0.0));
     if (sum.w > 0.0) value = vec4(sum.xyz / sum.w, 1.0);
     else if (!kChecker) atomicAdd(pixelCounters[0], 1u);
     ivec2 texel = ivec2(floor(p));

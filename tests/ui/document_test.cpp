@@ -100,6 +100,19 @@ class DocumentTest : public QObject {
     link_.takeCalls();
   }
 
+  void aForecastThatWasCancelledIsNoYes() {
+    withSrp();
+    RebuildBar bar(*document_);
+    RebuildForecast f;
+    f.rebuilds = f.cancelled = true;
+    link_.forecast = f;
+    document_->editParameters({{"srp.sh_order", "6"}}, "order");
+    QCOMPARE(link_.takeCalls(), QStringList{});
+    QVERIFY(document_->pendingRebuild().waits());
+    QVERIFY(bar.isVisibleTo(nullptr));
+    bar.rebuildButton()->click();
+    QVERIFY(!document_->pendingRebuild().waits());
+  }
   void aLongRebuildWaitsToBeAskedFor() {
     withSrp();
     RebuildBar bar(*document_);

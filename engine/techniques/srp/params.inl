@@ -73,7 +73,7 @@ PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What 
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
           "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
-PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance. Either way it is counted.")
+PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance (directional receivers: at the pixel's too). Either way it is counted.")
 PARAM_INT(precompute_memory_mb, 512, 1, 65536, 64, 8192, Log, Rebuild, "MiB",
           "Memory that precomputation works in, results apart. Less makes it slower and never changes what is computed.")
 PARAM_BOOL(cache, true, Rebuild, "Finished clusters are kept on disk, by content: what was stopped goes on there, and what was done is not done again.")

@@ -18,7 +18,7 @@ uint32_t rowsOf(const SrpParams&);
 class Precomputation {
  public:
   /// Clusters, working memory, and what the cache on disk has. `triangles`, `lumelOfTexel`: of LightmapTables, on the device.
-  /// @throws Error(TooLarge) naming what does not fit, and what would; Error(Cancelled)
+  /// @throws Error(TooLarge), or Error(BadInput) where a parameter is at fault, naming what does not fit, and what would; Error(Cancelled)
   Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, const Buffer& lumelOfTexel, Progress&);
 
   WorkState work() const;

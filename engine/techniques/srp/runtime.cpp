@@ -27,7 +27,17 @@ std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
   return table;
 }
 
+uint32_t partsOf(const SrpParams& params) { return (static_cast<uint32_t>(params.probe_rays) + shared::kSrpPartSamples - 1) / shared::kSrpPartSamples; }
+
+uint64_t partSumBytes(const SrpParams& params, uint64_t probes) { return probes * partsOf(params) * static_cast<uint64_t>(shared::shCount(params.sh_order)) * sizeof(vec4); }
+
 }  // namespace
+
+void SrpRuntime::check(const Device& device, const SrpParams& params, uint64_t probes) {
+  if (const uint64_t sums = partSumBytes(params, probes); sums > device.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: sums over the rays of {} probes need {} MiB, more than a buffer of this device holds; lower srp.probe_rays or srp.sh_order",
+                                                 probes, sums >> 20));
+}
 
 SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params, const ReceiverClusters& clusters, std::span<const ClusterTransport> transport,
                        const LightmapTables& tables, const Buffer& codes, std::span<const vec3> directions)
@@ -46,12 +56,8 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
   basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, params.sh_order)));
   coefficients_ = device_.buffer("srp: radiance of probes", uint64_t{probes_} * coefficientCount_ * sizeof(vec4));
-  parts_ = (static_cast<uint32_t>(params.probe_rays) + shared::kSrpPartSamples - 1) / shared::kSrpPartSamples;
-  const uint64_t sums = uint64_t{probes_} * parts_ * coefficientCount_ * sizeof(vec4);
-  if (sums > device_.maxStorageBufferBytes())
-    throw Error(ErrorKind::TooLarge, fmt::format("srp: sums over the rays of {} probes need {} MiB, more than a buffer of this device holds; lower srp.probe_rays or srp.sh_order",
-                                                 probes_, sums >> 20));
-  partSums_ = device_.buffer("srp: sums over parts of probes' rays", sums);
+  parts_ = partsOf(params);
+  partSums_ = device_.buffer("srp: sums over parts of probes' rays", partSumBytes(params, probes_));
   lumelOfReceiver_ = device_.buffer("srp: lumel of receiver", std::span<const uint32_t>(clusters.lumelOfReceiver));
   counters_ = device_.buffer("srp: counters", shared::kSrpCounters * sizeof(uint32_t));
   uploadPages(clusters, transport);

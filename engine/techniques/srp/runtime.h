@@ -19,6 +19,8 @@ class SrpRuntime {
   SrpRuntime(Gpu&, const SceneView&, const SrpParams&, const ReceiverClusters&, std::span<const ClusterTransport>, const LightmapTables&, const Buffer& codes,
              std::span<const vec3> directions);
 
+  /// What can be known before precomputation. @throws Error(TooLarge) naming what does not fit
+  static void check(const Device&, const SrpParams&, uint64_t probes);
   void restart(const SrpParams&);
   void lightsChanged();
   void setParams(const SrpParams& params) { params_ = params; }
@@ -27,7 +29,7 @@ class SrpRuntime {
 
   uint32_t directSamples() const;
   const Buffer& irradiance() const { return irradiance_; }  ///< vec4 a lumel
-  /// How it changes with the normal, where receivers are directional: one vector (vec4) a channel and lumel, all lumels' red ones first.
+  /// How it changes with the normal, where receivers are directional: LightmapImages::recordLinear's four a lumel.
   const Buffer& slopes() const { return slopes_; }
   bool directional() const { return params_.receivers == kReceiversDirectional; }
   const Buffer& direct() const { return direct_; }          ///< vec4 a lumel: sum; w: samples
@@ -42,7 +44,7 @@ class SrpRuntime {
   Counts counts() const;                                    ///< in the last frame. Blocking.
 
  private:
-  static constexpr uint32_t kSlopes = 3;  ///< a lumel: of red, green and blue
+  static constexpr uint32_t kSlopes = 4;  ///< a lumel: of red, green and blue, and the constants
   struct Page {
     Buffer words;
     uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0;

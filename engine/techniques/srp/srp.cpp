@@ -63,6 +63,7 @@ class Srp final : public Technique {
       throw Error(ErrorKind::TooLarge, "srp: " + std::to_string(scene.scene.triangles()) + " triangles are more than this device's texel buffers hold (" +
                                          std::to_string(gpu.device.maxTexelBufferElements() / 2) + ")");
     checkSettings();
+    SrpRuntime::check(gpu.device, params_, scene.probes->count());
     gpu_.emplace(gpu);
     view_.emplace(scene);
     tables_ = makeLightmapTables(scene.scene, *scene.atlas, scene.lightmap.dilation, progress);
@@ -77,6 +78,7 @@ class Srp final : public Technique {
   RebuildEstimate rebuildEstimate(const Device& device, const SceneView& scene, double lumels, Progress& progress) const override {
     if (scene.atlas == nullptr || scene.probes == nullptr) return {};
     checkSettings();
+    SrpRuntime::check(device, params_, scene.probes->count());
     return estimateTransport(device, scene, params_, lumels, progress);
   }
   std::vector<WorkPart> workDone() const override {
@@ -140,8 +142,8 @@ class Srp final : public Technique {
     runtime_->record(graph);
     images_->record(graph, runtime_->irradiance());
     result_ = pixelImage(gpu_->device, result_, "srp: irradiance at pixels", in.gbuffer);
-    if (directional()) images_->recordSlopes(graph, runtime_->slopes());
-    images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false, directional());
+    if (directional()) images_->recordLinear(graph, runtime_->slopes());
+    images_->recordPixels(graph, "srp: apply", in.gbuffer, result_, false, false, directional(), params_.clamp_negative != 0);
     if (in.view == kTexelsView) {
       texels_ = pixelImage(gpu_->device, texels_, "srp: texels", in.gbuffer);
       images_->recordPixels(graph, "srp: show texels", in.gbuffer, texels_, true, true);

@@ -19,7 +19,7 @@ layout(scalar) readonly buffer lumelOfReceiver_block { uint lumelOfReceiver[]; }
 layout(scalar) writeonly buffer irradiance_block { vec4 irradiance[]; };
 layout(scalar) buffer counters_block { uint counters[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };  // of lumels
-layout(scalar) writeonly buffer slopes_block { vec4 slopes[]; };         // channels x lumels
+layout(scalar) writeonly buffer slopes_block { vec4 slopes[]; };         // of red, green and blue, then the constants: 4 x lumels
 layout(scalar) readonly buffer firstRead_block { uint firstRead[]; };  // receivers + 1
 layout(scalar) readonly buffer reads_block { SrpRead reads[]; };
 uniform samplerBuffer radiance;                                       // that lumels send out
@@ -53,13 +53,16 @@ void main() {
       x += factors.x * read, y += factors.y * read, z += factors.z * read;
     }
   }
-  if (any(isnan(e)) || any(isinf(e))) atomicAdd(counters[kSrpNonFinite], 1u);
+  vec3 sloped = abs(x) + abs(y) + abs(z);
+  if (any(isnan(e)) || any(isinf(e)) || any(isnan(sloped)) || any(isinf(sloped))) atomicAdd(counters[kSrpNonFinite], 1u);
   else if (any(lessThan(e, vec3(0.0)))) atomicAdd(counters[kSrpNegative], 1u);
   if (batch.clampNegative != 0u) e = max(e, vec3(0.0));
   irradiance[lumel] = vec4(e, 0.0);
   if (!kDirectional) return;
   vec3 t, b;
   orthonormalBasis(n, t, b);
+  uint lumels = uint(irradiance.length());
   for (uint channel = 0u; channel < 3u; ++channel)
-    slopes[channel * uint(irradiance.length()) + lumel] = vec4(x[channel] * t + y[channel] * b + z[channel] * n, 0.0);
+    slopes[channel * lumels + lumel] = vec4(x[channel] * t + y[channel] * b + z[channel] * n, 0.0);
+  slopes[3u * lumels + lumel] = vec4(e - z, 0.0);  // E - slope . n0: x and y are along the surface
 }
