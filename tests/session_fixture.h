@@ -56,6 +56,14 @@ class SessionTest : public ::testing::Test {
     for (const std::string& message : session.device().takeValidationMessages()) ADD_FAILURE() << message;
   }
 
+  /// Indirect irradiance of the settled picture.
+  static Image settledIndirect(Session& session, const Preset& preset) {
+    session.load(preset);
+    session.settle();
+    expectNoMessages(session);
+    return session.image("indirect_irradiance");
+  }
+
   TemporaryFolder folder;
 };
 

@@ -16,19 +16,13 @@ class DdgiInvariances : public SessionTest {
     p.seed = seed;
     return p;
   }
-  Image indirect(Session& session, const Preset& p) {
-    session.load(p);
-    session.settle();
-    expectNoMessages(session);
-    return session.image("indirect_irradiance");
-  }
 };
 
 /// Punctual lights take no random numbers, and averaging is linear: the sum to rounding.
 TEST_F(DdgiInvariances, TwoLightsGiveTheSum) {
   auto session = makeSession();
   const auto lit = [&](const std::string& by) {
-    return indirect(*session, preset(litRoom(folder, by)));
+    return settledIndirect(*session, preset(litRoom(folder, by)));
   };
   const Image one = lit(kTwoLights[0]), two = lit(kTwoLights[1]), both = lit(fmt::format("{}, {}", kTwoLights[0], kTwoLights[1]));
   for (size_t i = 0; i < both.data.size(); ++i) ASSERT_NEAR(both.data[i], one.data[i] + two.data[i], 1e-4f * both.data[i]);
@@ -46,11 +40,11 @@ TEST_F(DdgiInvariances, TurnedAndMirroredRoomsLookTheSame) {
                         {"a_quarter_about_y", mat3(vec3(0, 0, -1), vec3(0, 1, 0), vec3(1, 0, 0)), false, true},
                         {"a_quarter_about_z", mat3(vec3(0, 1, 0), vec3(-1, 0, 0), vec3(0, 0, 1)), false, false}};
   auto session = makeSession();
-  const Image original = indirect(*session, preset(turnedRoom(folder, turns[0])));
-  const double noise = rms(original, indirect(*session, preset(turnedRoom(folder, turns[0]), 2))), mean = static_cast<double>(meanOf(original).y);
+  const Image original = settledIndirect(*session, preset(turnedRoom(folder, turns[0])));
+  const double noise = rms(original, settledIndirect(*session, preset(turnedRoom(folder, turns[0]), 2))), mean = static_cast<double>(meanOf(original).y);
   for (const Turn& turn : turns) {
     if (&turn == &turns[0]) continue;
-    const Image turned = indirect(*session, preset(turnedRoom(folder, turn), 3));
+    const Image turned = settledIndirect(*session, preset(turnedRoom(folder, turn), 3));
     const double off = rms(original, turned, turn.mirrors);
     std::printf("%s: differs by %.4f of the mean, two seeds by %.4f; mean %+.3f %%\n", turn.name, off / mean, noise / mean,
                 100 * (static_cast<double>(meanOf(turned).y) / mean - 1));

@@ -19,12 +19,6 @@ class SrpInvariances : public SessionTest {
     p.parameters["srp.cache"] = "false", p.parameters["srp.compression"] = "none", p.parameters["srp.receiver_rays"] = rays, p.parameters["srp.probe_rays"] = "1024";
     return p;
   }
-  static Image indirect(Session& session, const Preset& p) {
-    session.load(p);
-    session.settle();
-    expectNoMessages(session);
-    return session.image("indirect_irradiance");
-  }
 };
 
 /// The grid of probes turns with the room where axes go to axes; their rays and the receivers' do not, nor do charts of the lightmap.
@@ -33,10 +27,10 @@ TEST_F(SrpInvariances, TurnedAndMirroredRoomsLookTheSame) {
                         {"a_quarter_about_z", mat3(vec3(0, 1, 0), vec3(-1, 0, 0), vec3(0, 0, 1)), false, false}};
   auto session = makeSession();
   const std::string asItIs = turnedRoom(folder, {"as_it_is", mat3(1), false, false});
-  const Image original = indirect(*session, preset(asItIs, 1, "256"));
-  const double noise = rms(original, indirect(*session, preset(asItIs, 2, "256"))), mean = static_cast<double>(meanOf(original).y);
+  const Image original = settledIndirect(*session, preset(asItIs, 1, "256"));
+  const double noise = rms(original, settledIndirect(*session, preset(asItIs, 2, "256"))), mean = static_cast<double>(meanOf(original).y);
   for (const Turn& turn : turns) {
-    const Image turned = indirect(*session, preset(turnedRoom(folder, turn), 3, "256"));
+    const Image turned = settledIndirect(*session, preset(turnedRoom(folder, turn), 3, "256"));
     const double off = rms(original, turned, turn.mirrors), there = static_cast<double>(meanOf(turned).y);
     std::printf("%s: differs by %.4f of the mean, two seeds by %.4f; mean %+.3f %%\n", turn.name, off / mean, noise / mean, 100 * (there / mean - 1));
     EXPECT_LE(off, 2 * noise) << turn.name;
@@ -71,13 +65,13 @@ TEST_F(SrpInvariances, NothingIsLostUnderAnOpenSky) {
   auto session = makeSession();
   Preset r = smallPreset(scene, "radiosity");
   r.width = 32, r.height = 24;
-  const Image truth = indirect(*session, r);
+  const Image truth = settledIndirect(*session, r);
   const vec3 mean = meanOf(truth);
   EXPECT_GT(mean.z, 0.1f);
   for (const char* order : {"2", "7"}) {
     Preset p = preset(scene);
     p.parameters["srp.sh_order"] = order, p.parameters["probes.spacing"] = "0.2";
-    const Image found = indirect(*session, p);
+    const Image found = settledIndirect(*session, p);
     const vec3 there = meanOf(found);
     std::printf("open box, order %s: mean %+.2f, %+.2f, %+.2f %%, differs by %.4f of the mean\n", order, static_cast<double>(100 * (there.x / mean.x - 1)),
                 static_cast<double>(100 * (there.y / mean.y - 1)), static_cast<double>(100 * (there.z / mean.z - 1)), rms(found, truth) / static_cast<double>(mean.y));

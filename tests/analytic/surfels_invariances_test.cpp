@@ -24,12 +24,6 @@ class SurfelInvariances : public SessionTest {
     p.parameters.insert_or_assign("surfels.settle_frames", std::to_string(kFrames));
     return p;
   }
-  static Image indirect(Session& session, const Preset& p) {
-    session.load(p);
-    session.settle();
-    expectNoMessages(session);
-    return session.image("indirect_irradiance");
-  }
 };
 
 /// How much results of different seeds differ.
@@ -57,7 +51,7 @@ TEST_F(SurfelInvariances, TwoLightsGiveTheSum) {
   const auto lit = [&](const std::string& by, bool linear, uint32_t seed) {
     Preset p = preset(litRoom(folder, by), seed);
     if (linear) p.parameters["surfels.estimator"] = "ema", p.parameters["surfels.inconsistency_gain"] = std::to_string(0);
-    return indirect(*session, p);
+    return settledIndirect(*session, p);
   };
   const std::string together = fmt::format("{}, {}", kTwoLights[0], kTwoLights[1]);
   const Image one = lit(kTwoLights[0], true, 1), two = lit(kTwoLights[1], true, 1), both = lit(together, true, 1);
@@ -80,10 +74,10 @@ TEST_F(SurfelInvariances, TurnedAndMirroredRoomsLookTheSame) {
   auto session = makeSession();
   const std::string asItIs = turnedRoom(folder, {"as_it_is", mat3(1), false, false});
   std::vector<Image> seeds;
-  for (uint32_t seed = 1; seed <= kSeeds; ++seed) seeds.push_back(indirect(*session, preset(asItIs, seed)));
+  for (uint32_t seed = 1; seed <= kSeeds; ++seed) seeds.push_back(settledIndirect(*session, preset(asItIs, seed)));
   const Spread spread = spreadOf(seeds);
   for (const Turn& turn : turns) {
-    const Image turned = indirect(*session, preset(turnedRoom(folder, turn), 11));
+    const Image turned = settledIndirect(*session, preset(turnedRoom(folder, turn), 11));
     const double off = rms(seeds[0], turned, turn.mirrors), mean = static_cast<double>(meanOf(turned).y);
     std::printf("%s: differs by %.4f of the mean, two seeds by %.4f; mean %+.3f %%, one seed's deviates by %.3f %%\n", turn.name, off / spread.mean, spread.rms / spread.mean,
                 100 * (mean / spread.mean - 1), 100 * spread.deviation / spread.mean);

@@ -9,16 +9,7 @@
 namespace hl::test {
 namespace {
 
-class EveryTechnique : public SessionTest, public ::testing::WithParamInterface<std::string> {
- protected:
-  /// Indirect irradiance of the settled picture.
-  Image settledIndirect(Session& session, const Preset& preset) {
-    session.load(preset);
-    session.settle();
-    expectNoMessages(session);
-    return session.image("indirect_irradiance");
-  }
-};
+class EveryTechnique : public SessionTest, public ::testing::WithParamInterface<std::string> {};
 
 std::vector<std::string> techniqueIds() {
   std::vector<std::string> ids;

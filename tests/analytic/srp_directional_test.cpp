@@ -95,7 +95,7 @@ TEST_F(DirectionalReceivers, ATiltedNormalGetsWhatTheReferenceGivesIt) {
     auto session = makeSession();
     Preset p = smallPreset(scene, "srp");
     p.parameters["srp.receivers"] = directional ? "directional" : "irradiance";
-    p.parameters["reference.samples"] = "256";
+    p.parameters["reference.samples"] = "128";
     session->load(p);
     session->settle();
     session->reference();
