@@ -22,7 +22,7 @@ struct RebuildForecast {
   bool cancelled = false;         ///< before it could be said
   double seconds = -1;            ///< until it is done; -1: the technique says nothing beforehand
   ForecastBasis basis = ForecastBasis::Measured;
-  std::vector<std::pair<std::string, double>> parts;  ///< seconds of "lightmap", "allocation" and each kind of work
+  std::vector<std::pair<std::string, double>> parts;  ///< seconds of each kind of work, and of "preparation" before it
 };
 
 /// "about 12 s; 120 M rays; 27 MB, 234 MB before compression". `refused` alone where it would be.

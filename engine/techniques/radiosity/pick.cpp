@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, double>> RadiosityBake::counters() const {
                                                       {"overlapping_texels", static_cast<double>(report.overlappingTexels)},
                                                       {"uncovered_area", report.uncoveredArea},
                                                       {"rays_cast", workDone_.rays},
-                                                              {"bounces", bounce_},
+                                                      {"bounces", bounce_},
                                                       {"residual", outcome_->residual}};
   std::array<uint32_t, 2 * shared::kCounters> words{};
   if (lumels_ > 0 && !clearWanted_) device_.download(counters_, words.data(), sizeof words);

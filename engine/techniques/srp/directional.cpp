@@ -28,4 +28,9 @@ std::vector<vec2> directionalTable() {
   return table;
 }
 
+Buffer directionalBuffer(Device& device, const SrpParams& params) {
+  const std::vector<vec2> table = params.receivers == kReceiversDirectional ? directionalTable() : std::vector<vec2>(1, vec2(0.0f));
+  return device.buffer("srp: slopes of irradiance by height", std::span<const vec2>(table));
+}
+
 }  // namespace hl

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "engine/core/math.h"
+#include "engine/gpu/device.h"
+#include "engine/techniques/srp/params.h"
 
 namespace hl {
 
@@ -13,5 +15,7 @@ inline constexpr int kDirectionalEntries = 65;
 /// the mean over the normals within 60 degrees of it (uniform in solid angle). Entry i is for w.n0 = i / (entries - 1): x is b's part along w's projection on the surface, y
 /// its part along n0. Where no normal of the cone turns away from w these are w's own.
 std::vector<vec2> directionalTable();
+/// It on the device, as directional.glsl reads it; where receivers are not directional, something in its place that nothing reads.
+Buffer directionalBuffer(Device&, const SrpParams&);
 
 }  // namespace hl

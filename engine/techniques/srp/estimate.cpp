@@ -49,9 +49,7 @@ RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, 
   RebuildEstimate estimate;
   if (scene.atlas->lumels.empty() || scene.probes->count() == 0) return estimate;
   const auto coefficients = static_cast<uint32_t>(shared::shCount(params.sh_order));
-  const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
-  const ReceiverClusters clusters =
-      makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients, progress);
+  const ReceiverClusters clusters = Precomputation::clustersOf(scene, params, progress);
   // Receivers of another lightmap stand as densely as its texels: more clusters of the same size.
   const double scale = lumels / static_cast<double>(clusters.receivers());
   size_t onDisk = 0;

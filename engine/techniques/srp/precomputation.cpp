@@ -38,12 +38,11 @@ uint32_t rowsOf(const SrpParams& params) { return params.receivers == kReceivers
 Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, Progress& progress)
     : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
   reads_ = readsOf(params);
-  const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   rows_ = rowsOf(params);
   offset_ = rayOffset(scene);
   progress.begin("receivers and their probes", 1);
-  clusters_ = makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), coefficients_, progress);
+  clusters_ = clustersOf(scene, params, progress);
   progress.advance();
   allocate(scene);
   takeUp(params.cache ? std::make_shared<TransportStore>(key(device_, scene, params_)) : nullptr);
@@ -63,6 +62,11 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
   }
   fromDisk_ = cluster_ = finished.size();
   compressor_ = std::make_shared<Compressor>(params_, scene_.seed, compressions_, std::move(store), std::move(finished));
+}
+
+ReceiverClusters Precomputation::clustersOf(const SceneView& scene, const SrpParams& params, Progress& progress) {
+  const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
+  return makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), static_cast<uint32_t>(shared::shCount(params.sh_order)), progress);
 }
 
 std::string Precomputation::key(const Device& device, const SceneView& scene, const SrpParams& params) {
@@ -131,7 +135,7 @@ void Precomputation::allocate(const SceneView& scene) {
   questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
   shares_ = device_.buffer("srp: shares", sizeof(float) * unitQuestions_);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
-  directional_ = device_.buffer("srp: slopes of irradiance", std::span<const vec2>(directionalTable()));
+  directional_ = directionalBuffer(device_, params_);
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);

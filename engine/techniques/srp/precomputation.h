@@ -34,6 +34,8 @@ class Precomputation {
   uint64_t raysCast() const { return raysCast_; }
   /// Clusters that are done here, those from disk left out: [first, last).
   std::pair<size_t, size_t> computed() const { return {fromDisk_, cluster_}; }
+  /// What is computed together. @throws Error(Cancelled)
+  static ReceiverClusters clustersOf(const SceneView&, const SrpParams&, Progress&);
   /// Of all that decides about the coefficients: what the file on disk is named by.
   static std::string key(const Device&, const SceneView&, const SrpParams&);
 

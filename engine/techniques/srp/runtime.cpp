@@ -50,7 +50,7 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   reflectance_ = device_.buffer("srp: reflectance", std::span<const vec4>(tables.reflectance));
   direct_ = device_.buffer("srp: direct", lumels_ * sizeof(vec4));
   irradiance_ = device_.buffer("srp: irradiance", lumels_ * sizeof(vec4));
-  directionalTable_ = device_.buffer("srp: table of slopes", std::span<const vec2>(directionalTable()));
+  directionalTable_ = directionalBuffer(device_, params_);
   slopes_ = device_.buffer("srp: slopes of irradiance", (directional() ? uint64_t{kSlopes} * lumels_ : 1) * sizeof(vec4));
   noIrradiance_ = device_.buffer("srp: no irradiance", lumels_ * sizeof(vec4));
   radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
@@ -156,7 +156,6 @@ void SrpRuntime::record(FrameGraph& graph) {
   if (clearWanted_) {
     graph.clear("srp: clear irradiance", irradiance_);
     graph.clear("srp: clear irradiance", noIrradiance_);
-    graph.clear("srp: clear irradiance", slopes_);
     graph.clear("srp: clear probes", coefficients_);
   }
   clearWanted_ = false;
