@@ -96,6 +96,10 @@ std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool l
   out.push_back(written("radiance", session.image("reference"), 0));
   out.push_back(written("indirect irradiance", indirect.mean, noiseOf(indirect)));
   out.push_back(written("direct irradiance", direct.mean, noiseOf(direct)));
+  if (r.glossy()) {
+    const ReferenceImage specular = r.specularImage(bounces);
+    out.push_back(written("specular radiance", specular.mean, noiseOf(specular)));
+  }
   return out;
 }
 
