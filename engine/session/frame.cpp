@@ -212,7 +212,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.settled = !worked && !running && !s.geometryMissed && !s.lightsMissed && !s.resetWanted && s.techniqueSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
-  r.message = s.message.empty() ? s.momentNote() : s.message;
+  // Else what the picture had to say of itself.
+  if (std::string note = s.message.empty() ? s.momentNote() : s.message; !note.empty()) r.message = std::move(note);
   r.techniqueFailed = s.held, r.failure = s.heldKind;
   r.pick = s.pickReport;
   r.picked = s.picked;
