@@ -3,6 +3,7 @@
 // Adds a unit's samples of the transport kernel to the cluster's matrix: one thread a receiver and probe, so that sums run in one order.
 #include "engine/techniques/srp/unit.h"
 #include "engine/techniques/srp/directional.glsl"
+#include "engine/techniques/srp/probe_frame.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 #include "shaders/shared/surface_point.h"
@@ -35,6 +36,7 @@ void main() {
   if (!(n.weight > 0.0)) return;
   float factors[kSrpDirectionalRows];  ///< of a sample in the receiver's rows
   uint base = receiver * unit.columns + n.column;
+  vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
     uint question = r * unit.slots + q;
@@ -50,7 +52,7 @@ void main() {
       vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));
       factors[1] = more.x, factors[2] = more.y, factors[3] = more.z;
     }
-    for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
+    for (ShWalk y = shBegin(unit.order, rotated(direction, toProbe)); !shDone(y); shNext(y)) {
       float value = w * shValue(y), mirrored = y.m > 0 ? w * shMirroredValue(y) : 0.0;
       for (uint row = 0u; row < unit.rows; ++row) {
         uint at = base + row * unit.receivers * unit.columns;

@@ -41,7 +41,12 @@ void main() {
       if (dot(normal, ray.direction) < 0.0 && height > 0.0) {
         question = Ray(at, 0.0, way, 1.0);
         float d2 = dot(way, way);
-        share = unit.solidAngle != 0u ? n.weight * height / (d2 * sqrt(d2)) : n.weight;
+        float resolution = kPi / float(unit.order + 1);
+        float d = sqrt(d2);
+        float wide = unit.blurLimit * hit.t;
+        // The solid angle that the probe tells apart covers d^2 resolution^2 / cos of the surface.
+        if (unit.blurLimit > 0.0 && d2 * d * resolution * resolution > height * wide * wide) question = Ray(vec3(0.0), 1.0, vec3(0.0, 0.0, 1.0), 0.0);
+        else share = unit.solidAngle != 0u ? n.weight * height / (d2 * sqrt(d2)) : n.weight;
       }
     }
   }

@@ -70,6 +70,8 @@ PARAM_ENUM(window, SrpWindow, kWindowNone, Reset, "Takes ringing out of the prob
 PARAM_BOOL(environment_rays, true, Rebuild,
            "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
 PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_FLOAT(blur_limit, 0, 0, 16, 0.5, 4, Linear, Rebuild, "lengths of the ray",
+            "sample_weight surface: a probe is not asked where it blurs over more than this, but the lightmap read. 0: asked wherever it sees.")
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
           "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")

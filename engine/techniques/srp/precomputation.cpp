@@ -16,9 +16,12 @@ namespace {
 /// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 
 /// What every device takes as groups along y.
+/// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
+float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
+
 constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
@@ -82,7 +85,7 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
   h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size);
-  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share);
+  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(params));
   return h.hex();
 }
 
@@ -186,6 +189,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
   unit.order = params_.sh_order, unit.offset = offset_, unit.rows = rows_;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.blurLimit = blurLimit(params_);
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);

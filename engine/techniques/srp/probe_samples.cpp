@@ -54,8 +54,8 @@ void ProbeSamples::recordUnit(FrameGraph& graph) {
   const auto first = static_cast<uint32_t>(done_) * probesAUnit_;
   const uint32_t count = std::min(probesAUnit_, probes_ - first), rays = count * samples_;
   struct Constants {
-    uint32_t first, count, samples;
-  } constants{first, count, samples_};
+    uint32_t first, count, samples, seed;
+  } constants{first, count, samples_, scene_.seed};
   graph.compute("srp: make probes' rays", "srp/probe_rays.comp")
       .bind("probes", positions_, Access::Read)
       .bind("directions", directionTable_, Access::Read)

@@ -1,5 +1,5 @@
 #pragma once
-// What probes see: rays in the same directions for all, and the lumels that they hit, found once (Bennett 2019, section 5.2).
+// What probes see: rays in the same directions for all, each probe's in its own frame (probe_frame.h), and the lumels that they hit, found once (Bennett 2019, section 5.2).
 #include <string>
 #include <vector>
 
@@ -24,7 +24,7 @@ class ProbeSamples {
   void recordUnit(FrameGraph&);
   void release() { rays_ = hits_ = {}; }
   const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
-  const std::vector<vec3>& directions() const { return directions_; }
+  const std::vector<vec3>& directions() const { return directions_; }  ///< in a probe's frame
   const Counts& counts() const;  ///< of units that are done; blocking, but asked of the device once
 
  private:

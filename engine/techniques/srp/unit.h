@@ -26,6 +26,7 @@ struct SrpUnit {
   float offset;       ///< of rays that start at a hit, in front of it [m]
   uint rows;          ///< a receiver: 1, or kSrpDirectionalRows
   uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
+  float blurLimit;    ///< a probe is asked for what it blurs over at most so many lengths of the receiver's ray; 0: for all
   uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
   uint allSamples;    ///< of a receiver, in all units
   uint resolution;    ///< of the lightmap
