@@ -27,14 +27,14 @@ constexpr size_t kMostClusters = 65535;
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
 
-/// Lumels that a receiver reads at most.
-uint32_t readsOf(const SrpParams& params) {
-  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
-}
 
 float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
 }  // namespace
+
+uint32_t readsOf(const SrpParams& params) {
+  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
+}
 
 uint32_t rowsOf(const SrpParams& params) { return params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1; }
 
@@ -84,7 +84,7 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
   h.value<uint64_t>(scene.atlas->lumels.size());
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
-  h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size);
+  h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size).value(params.least_clusters);
   h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(params));
   return h.hex();
 }

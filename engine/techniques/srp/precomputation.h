@@ -12,6 +12,8 @@
 
 namespace hl {
 
+/// Lumels that a receiver reads at most.
+uint32_t readsOf(const SrpParams&);
 /// Rows of transport a receiver has: one, or those of directional receivers.
 uint32_t rowsOf(const SrpParams&);
 

@@ -165,7 +165,7 @@ class Srp final : public Technique {
     add("lightmap_direct", "Lightmap: direct light", directImage_, true, true);
     add("lightmap_validity", "Lightmap: valid, inside, overlapping", images_ ? images_->validity() : none, true, false);
     add("receiver_clusters", "Lightmap: clusters", clusterView_, true, false);
-    add("receiver_validity", "Lightmap: share of a receiver's rays that some probe sees too (red: too few)", validView_, true, false);
+    add("receiver_validity", "Lightmap: share of a receiver's rays that some probe speaks for (red: too few)", validView_, true, false);
     return views;
   }
 
