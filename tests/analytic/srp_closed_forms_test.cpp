@@ -92,11 +92,11 @@ TEST(SrpTransport, HalfASkyIsExactFromOrderOne) {
       Buffer triangles = h.device->buffer("triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
       h.device->upload(triangles, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
       SrpParams params;
-      params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0;
+      params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0, params.surface_share = 0;
       Gpu gpu{*h.device, *h.shaders};
       const SceneView view{h.scene, h.features, h.gpuScene, *h.tracer, *h.directLight, h.pool, &h.atlas, h.lightmap, h.direct, 1, &h.placed};
       const Buffer lumelOfTexel = h.device->buffer("lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
-      Precomputation work(gpu, view, params, triangles, lumelOfTexel, h.progress);
+      Precomputation work(gpu, view, params, triangles, lumelOfTexel, nullptr, h.progress);
       while (!work.work().settled()) work.recordUnit(*h.graph), h.graph->execute();
       // The sky's coefficients: zonal about y, 2 pi times the integral of P_l over [0, 1], times Y_lm(y).
       const double integral[] = {1, 0.5, 0, -0.125, 0, 0.0625, 0, -0.0390625, 0};

@@ -129,7 +129,7 @@ TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
   EXPECT_GT(units[0], units[1]);
   EXPECT_EQ(results[0], results[1]);
   SrpHarness h(loadScene("point_light_cube"));
-  h.set("srp.cluster_size", "8192").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");
+  h.set("srp.cluster_size", "8192").set("srp.least_clusters", "1").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");
   try {
     h.rebuild();
     FAIL() << "a cluster that does not fit was accepted";

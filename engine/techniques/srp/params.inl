@@ -72,6 +72,8 @@ PARAM_ENUM(window, SrpWindow, kWindowNone, Reset, "Takes ringing out of the prob
 PARAM_BOOL(environment_rays, true, Rebuild,
            "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
 PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_BOOL(surface_share, true, Rebuild,
+           "What a probe says is divided by the share of surfaces among what it sees round there, so that surfaces beside the open are not darkened; rays into the open then bring nothing, and nothing is asked for them.")
 PARAM_FLOAT(blur_limit, 1, 0, 16, 0.5, 4, Linear, Rebuild, "lengths of the ray",
             "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0: asked wherever it sees.")
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",

@@ -71,7 +71,7 @@ class Srp final : public Technique {
     gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
     samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
-    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), progress);
+    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), samples_.get(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
   }
@@ -165,7 +165,7 @@ class Srp final : public Technique {
     add("lightmap_direct", "Lightmap: direct light", directImage_, true, true);
     add("lightmap_validity", "Lightmap: valid, inside, overlapping", images_ ? images_->validity() : none, true, false);
     add("receiver_clusters", "Lightmap: clusters", clusterView_, true, false);
-    add("receiver_validity", "Lightmap: share of a receiver's rays that some probe speaks for (red: too few)", validView_, true, false);
+    add("receiver_validity", "Lightmap: share of a receiver's rays that some probe sees too (red: too few)", validView_, true, false);
     return views;
   }
 
