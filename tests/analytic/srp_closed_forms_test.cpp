@@ -40,7 +40,7 @@ TEST_F(SrpFurnace, EveryOrderAndStorage) {
 TEST_F(SrpFurnace, CompressedTo32Vectors) {
   const double exact = static_cast<double>(kPi) * 0.8 / 0.2;
   SrpHarness h(loadScene("furnace_box_080"));
-  h.set("srp.receiver_rays", "128").set("direct.lumel_samples", "64").set("srp.compression", "cpca").set("srp.pca_vectors", "32");
+  h.set("srp.least_clusters", "1").set("srp.receiver_rays", "128").set("direct.lumel_samples", "64").set("srp.compression", "cpca").set("srp.pca_vectors", "32");
   for (const char* clustering : {"aabb", "lbg"}) {
     for (const char* keep : {"false", "true"}) {
       h.set("srp.clustering", clustering).set("srp.pca_keep_constant", keep);

@@ -50,7 +50,7 @@ TEST_F(SrpSurfaces, WhatNoProbeSeesIsReadOffTheLightmap) {
   Scene scene = room;
   scene.probes = {vec3(0.5f, -0.6f, -0.25f)};
   SrpHarness h(scene);
-  h.set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "7").set("srp.receiver_rays", "128").set("srp.probe_rays", "500").set("srp.k", "1");
+  h.set("srp.least_clusters", "1").set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "7").set("srp.receiver_rays", "128").set("srp.probe_rays", "500").set("srp.k", "1");
   std::vector<vec3> light[2];
   const auto off = [&](const char* weight, size_t to) {
     h.set("srp.sample_weight", weight);
