@@ -3,6 +3,7 @@
 // Adds a unit's samples of the transport kernel to the cluster's matrix: one thread a receiver and probe, so that sums run in one order.
 #include "engine/techniques/srp/unit.h"
 #include "engine/techniques/srp/directional.glsl"
+#include "engine/techniques/srp/probe_frame.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 #include "shaders/shared/surface_point.h"
@@ -16,6 +17,7 @@ layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) readonly buffer questions_block { Ray questions[]; };
 layout(scalar) readonly buffer shares_block { float shares[]; };
 layout(scalar) readonly buffer scales_block { float scales[]; };
+layout(scalar) readonly buffer surfaces_block { float surfaces[]; };       // probes x coefficients: which directions end on a surface, in spherical harmonics
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x receivers x columns
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
 layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
@@ -35,6 +37,7 @@ void main() {
   if (!(n.weight > 0.0)) return;
   float factors[kSrpDirectionalRows];  ///< of a sample in the receiver's rows
   uint base = receiver * unit.columns + n.column;
+  vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
     uint question = r * unit.slots + q;
@@ -44,13 +47,24 @@ void main() {
     // The corrected direction: from the probe to what the receiver sees; into the open it is the receiver's own.
     vec3 direction = questions[question].direction;
     if (hits[r].primitive != kMiss) direction = -normalize(direction);
+    if (unit.surfaceShare != 0u && hits[r].primitive == kMiss) continue;
+    vec3 local = rotated(direction, toProbe);
     float w = share * scale;
+    if (unit.surfaceShare != 0u) {
+      float surface = 0.0;
+      uint own = n.probe * uint(shCount(unit.order));
+      for (ShWalk y = shBegin(unit.order, local); !shDone(y); shNext(y)) {
+        surface += surfaces[own + uint(shIndex(y.l, y.m))] * shValue(y);
+        if (y.m > 0) surface += surfaces[own + uint(shIndex(y.l, -y.m))] * shMirroredValue(y);
+      }
+      w /= max(surface, kSrpLeastSurface);
+    }
     factors[0] = 1.0;
     if (unit.rows > 1u) {
       vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));
       factors[1] = more.x, factors[2] = more.y, factors[3] = more.z;
     }
-    for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
+    for (ShWalk y = shBegin(unit.order, local); !shDone(y); shNext(y)) {
       float value = w * shValue(y), mirrored = y.m > 0 ? w * shMirroredValue(y) : 0.0;
       for (uint row = 0u; row < unit.rows; ++row) {
         uint at = base + row * unit.receivers * unit.columns;
