@@ -124,10 +124,11 @@ void main() {
   }
   const bool seen = seenLately(s.lastSeen);
   float young = 0.0;
-  if (seen) {
+  if (seen) atomicAdd(totals.inView, 1u);
+  // One that a ray placed is in view to that ray: without these few frames' rays a fresh cache is twice as noisy.
+  if (seen || frame.frame - sites[id].birth <= kRecentFrames) {
     const float growth = max(windowGrowth(s.samples), 1.0);
     young = min(surfels.young_rays * growth / (s.samples + growth), float(surfels.rays_max));
-    atomicAdd(totals.inView, 1u);
   }
   const float worry = s.samples < kNewborn ? max(1.0, s.inconsistency) : s.inconsistency;
   const float priority = (seen ? 1.0 : surfels.hidden_share) * (1.0 + surfels.inconsistency_gain * worry);
