@@ -38,7 +38,7 @@ TEST(SrpClusters, EachReceiverIsInOneClusterThatIsSmallEnough) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 100;
-    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25, progress);
+    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25, {}, progress);
     std::set<uint32_t> seen(c.lumelOfReceiver.begin(), c.lumelOfReceiver.end());
     EXPECT_EQ(seen.size(), atlas.lumels.size());
     uint32_t next = 0;
@@ -66,7 +66,7 @@ TEST(SrpClusters, ManyReceiversInOnePlaceAreStillSplit) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 64;
-    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1, progress).clusters) EXPECT_LE(r.receivers, 64u);
+    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1, {}, progress).clusters) EXPECT_LE(r.receivers, 64u);
   }
 }
 
@@ -79,7 +79,7 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
   for (int i = 0; i < 10; ++i) probes.push_back(vec3(static_cast<float>(i), 0, 0));
   SrpParams params;
   params.k = 3;
-  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4, progress);
+  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4, {}, progress);
   ASSERT_EQ(near.clusters.size(), 1u);
   EXPECT_EQ(near.clusters[0].probes, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(near.clusters[0].slots, 3u);
@@ -90,11 +90,11 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
     EXPECT_NEAR(n.weight, probeWeight(std::abs(static_cast<float>(q) - 0.1f) / 2.9f), 1e-6f);
   }
   params.support = kSupportProbeRadius, params.radius = 0.5f;  // of 9 m
-  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4, progress).clusters[0].probes.size(), 5u);
+  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4, {}, progress).clusters[0].probes.size(), 5u);
   // None within reach: a cluster without columns.
   params.radius = 0.01f;
   atlas.lumels[0].position = vec3(0, 5, 0);
-  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4, progress);
+  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4, {}, progress);
   EXPECT_TRUE(none.clusters[0].probes.empty());
   EXPECT_EQ(none.clusters[0].near[0].weight, 0.0f);
 }
@@ -106,7 +106,7 @@ TEST(SrpClusters, ProbesThatAreAllEquallyFarAreAskedAllTheSame) {
   for (int k : {1, 2, 3}) {
     SrpParams params;
     params.k = k;
-    const ReceiverCluster c = makeClusters(atlas, probes, params, 2, 1, progress).clusters[0];
+    const ReceiverCluster c = makeClusters(atlas, probes, params, 2, 1, {}, progress).clusters[0];
     EXPECT_EQ(c.probes.size(), static_cast<size_t>(k));
     for (const shared::SrpNear& n : c.near) EXPECT_GT(n.weight, 0.0f);
   }

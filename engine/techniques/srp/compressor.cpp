@@ -12,9 +12,9 @@ namespace hl {
 ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
   const auto all = static_cast<float>(params.receiver_rays);
   ClusterTransport t;
-  t.receivers = sums.receivers, t.rows = sums.rows, t.columns = sums.columns;
+  t.receivers = sums.receivers, t.wide = sums.wide, t.rows = sums.rows, t.columns = sums.columns;
   std::vector<float>& alpha = sums.matrix;
-  const uint32_t rows = sums.receivers * sums.rows;
+  const uint32_t rows = t.allRows();
   const size_t strata = sums.receivers > 0 ? sums.strata.size() / sums.receivers : 0;
   for (size_t r = 0; r < sums.receivers; ++r) {
     t.valid.push_back(sums.valid[r] / all);
@@ -28,8 +28,10 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
       }
       t.readsOf.push_back(static_cast<uint32_t>(t.reads.size() - before));
     }
-    for (size_t row = r; row < rows; row += sums.receivers)
+    for (size_t k = 0; k < (r < sums.wide ? sums.rows : 1); ++k) {
+      const size_t row = k == 0 ? r : sums.receivers + (k - 1) * sums.wide + r;
       for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
+    }
   }
   if (params.compression == kCompressionNone) {
     for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);

@@ -12,8 +12,9 @@
 
 namespace hl {
 
-/// Rows of transport a receiver has: one, or those of directional receivers.
+/// Rows of transport that a wide receiver has: of directional receivers all are, of radiance receivers those on glossy surfaces.
 uint32_t rowsOf(const SrpParams&);
+uint32_t allRows(const ReceiverCluster&, const SrpParams&);
 
 class Precomputation {
  public:
@@ -45,6 +46,7 @@ class Precomputation {
   void allocate(const SceneView&);
   void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);
+  void recordRadiance(FrameGraph&, const shared::SrpUnit&);
   void recordCompression(FrameGraph&);
 
   Device& device_;
@@ -60,7 +62,7 @@ class Precomputation {
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;
   float offset_ = 0;
-  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a receiver
+  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a wide receiver
 };
 
 }  // namespace hl

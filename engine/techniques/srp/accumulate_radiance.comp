@@ -1,0 +1,53 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Adds a unit's samples to the rows of radiance of a cluster's glossy receivers: one thread a receiver, probe and row, so that sums run in one order. The kernel is accumulate.comp's.
+#include "engine/techniques/srp/hemisphere_basis.h"
+#include "engine/techniques/srp/unit.h"
+#include "shaders/shared/ray.h"
+#include "shaders/shared/sampling.h"
+#include "shaders/shared/spherical_harmonics.h"
+#include "shaders/shared/surface_point.h"
+
+layout(local_size_x = 64) in;
+
+layout(scalar) readonly buffer hits_block { Hit hits[]; };
+layout(scalar) readonly buffer rays_block { Ray rays[]; };
+layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
+layout(scalar) readonly buffer near_block { SrpNear near[]; };
+layout(scalar) readonly buffer questions_block { Ray questions[]; };
+layout(scalar) readonly buffer shares_block { float shares[]; };
+layout(scalar) readonly buffer scales_block { float scales[]; };
+layout(scalar) buffer matrix_block { float matrix[]; };  // rows x columns
+layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  uint row = gl_WorkGroupID.y;  // of radiance
+  if (i >= unit.wide * unit.slots) return;
+  uint receiver = i / unit.slots;
+  uint q = i % unit.slots;
+  SrpNear n = near[i];
+  if (!(n.weight > 0.0)) return;
+  HemisphereTerm term = hemisphereTerm(int(row));
+  vec3 normal = points[unit.firstReceiver + receiver].geometricNormal;
+  vec3 t, b;
+  orthonormalBasis(normal, t, b);
+  // Of N stratified samples the lowest is at 1 / sqrt(N).
+  float least = inversesqrt(float(unit.allSamples));
+  uint base = (unit.receivers + row * unit.wide + receiver) * unit.columns + n.column;
+  for (uint s = 0u; s < unit.samples; ++s) {
+    uint r = receiver * unit.samples + s;
+    uint question = r * unit.slots + q;
+    float scale = scales[r];
+    float share = shares[question];
+    if (scale <= 0.0 || share == 0.0) continue;
+    vec3 own = rays[r].direction;
+    vec3 direction = questions[question].direction;
+    if (hits[r].primitive != kMiss) direction = -normalize(direction);
+    float w = share * scale * hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
+    for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
+      matrix[base + uint(shIndex(y.l, y.m))] += w * shValue(y);
+      if (y.m > 0) matrix[base + uint(shIndex(y.l, -y.m))] += w * shMirroredValue(y);
+    }
+  }
+}
