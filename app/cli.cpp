@@ -94,12 +94,12 @@ void defineReference(CLI::App& app, ReferenceOptions& o) {
   c->add_option("--spp", o.samples, "Paths a pixel or texel")->check(wholeNumber(1, std::numeric_limits<int>::max()));
   c->add_option("--bounces", o.bounces, "Indirect bounces: a number, or inf");
   c->add_flag("--diffuse-only", o.diffuseOnly,
-              "Diffuse reflection alone, which is all that materials have in this version");
+              "Without what glossy surfaces reflect by their lobes");
   c->add_flag("--lightmap", o.lightmap, "At the texels of the lightmap, in place of the camera's pixels");
   repeated(c, "--set", o.set, "A parameter, KEY=VALUE; may be repeated");
   c->add_option("--resolution", o.resolution, "WIDTHxHEIGHT");
   c->add_option("--camera", o.camera, "One of the scene's cameras");
-  c->add_option("--out", o.out, "EXR or PFM file; direct and indirect irradiance go beside it");
+  c->add_option("--out", o.out, "EXR or PFM file; direct and indirect irradiance, and specular radiance where surfaces are glossy, go beside it");
 }
 
 void defineCompare(CLI::App& app, CompareOptions& o) {

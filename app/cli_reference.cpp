@@ -85,7 +85,7 @@ Written written(const char* name, Image image, double noise) {
   return w;
 }
 
-std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool lightmap, int bounces) {
+std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool lightmap, bool diffuseOnly, int bounces) {
   const ReferenceImage direct = r.directImage(), indirect = r.indirectImage(bounces);
   std::vector<Written> out;
   if (lightmap) {
@@ -93,9 +93,15 @@ std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool l
     out.push_back(written("direct irradiance", lightmapImage(direct.mean, *session.atlas()), noiseOf(direct)));
     return out;
   }
-  out.push_back(written("radiance", session.image("reference"), 0));
+  const bool lobes = r.glossy() && !diffuseOnly;
+  const ReferenceImage specular = r.specularImage(bounces);
+  Image radiance = session.image("reference");
+  if (diffuseOnly)
+    for (size_t i = 0; i < radiance.data.size(); ++i) radiance.data[i] -= specular.mean.data[i];
+  out.push_back(written("radiance", std::move(radiance), 0));
   out.push_back(written("indirect irradiance", indirect.mean, noiseOf(indirect)));
   out.push_back(written("direct irradiance", direct.mean, noiseOf(direct)));
+  if (lobes) out.push_back(written("specular radiance", specular.mean, noiseOf(specular)));
   return out;
 }
 
@@ -172,7 +178,7 @@ int reference(const GlobalOptions& global, const ReferenceOptions& o) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   finishProgress();
   const int bounces = bouncesOf(preset);
-  std::vector<Written> images = imagesOf(session, *result, o.lightmap, bounces);
+  std::vector<Written> images = imagesOf(session, *result, o.lightmap, o.diffuseOnly, bounces);
   if (!o.out.empty()) save(images, o.out, session);
   print(global.json ? asJson(images, *result, session, bounces, seconds) : asText(images, *result, bounces, seconds));
   if (cancelled)

@@ -59,6 +59,8 @@ ErrorPanel::ErrorPanel(EngineLink& link, QWidget* parent)
   metric_->setCurrentIndex(std::max(0, metric_->findData(QStringLiteral("relmse"))));
   metric_->setAccessibleName(tr("Metric"));
   component_->addItem(tr("indirect light"), QStringLiteral("indirect"));
+  component_->addItem(tr("specular light"), QStringLiteral("specular"));
+  component_->setItemData(1, tr("Indirect light that glossy surfaces reflect by their lobes; only where the camera sees some"), Qt::ToolTipRole);
   component_->addItem(tr("final picture"), QStringLiteral("final"));
   component_->setAccessibleName(tr("Component"));
   axis_->addItem(tr("over time"));

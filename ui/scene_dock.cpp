@@ -191,6 +191,7 @@ void ScenePanel::showFrame(const FrameResult& f) {
   if (s.albedoTextures) has << tr("albedo textures");
   if (s.normalMaps) has << tr("normal maps");
   if (s.twoSided) has << tr("two-sided materials");
+  if (s.glossySurfaces) has << tr("glossy surfaces");
   if (s.movingObjects) has << tr("moving objects");
   if (s.movingLights) has << tr("moving lights");
   const auto count = [](uint64_t v) { return QLocale().toString(static_cast<qulonglong>(v)); };
@@ -214,6 +215,7 @@ void ScenePanel::showFrame(const FrameResult& f) {
   if (!f.scene->source.empty()) import << std::pair{tr("File"), QString::fromStdString(f.scene->source.filename().string())};
   import << std::pair{tr("Degenerate triangles"), tr("%1 dropped").arg(count(r.degenerateTriangles))};
   import << std::pair{tr("Albedo capped"), tr("%1 materials").arg(count(r.cappedAlbedo))};
+  if (r.cappedSpecular > 0) import << std::pair{tr("Specular capped"), tr("%1 materials").arg(count(r.cappedSpecular))};
   import << std::pair{tr("Missing textures"), count(r.missingTextures)};
   if (glm::length(r.recentred) > 0)
     import << std::pair{tr("Moved by"), QStringLiteral("%1, %2, %3 m").arg(static_cast<double>(-r.recentred.x)).arg(static_cast<double>(-r.recentred.y)).arg(static_cast<double>(-r.recentred.z))};

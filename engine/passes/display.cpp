@@ -112,6 +112,7 @@ const std::vector<ViewInfo>& displayViews() {
       {"final", "Final image"},
       {"indirect", "Indirect light"},
       {"indirect_irradiance", "Indirect irradiance (without albedo)"},
+      {"specular", "Indirect specular radiance"},
       {"direct", "Direct irradiance"},
       {"albedo", "Albedo"},
       {"normal", "Normal"},
@@ -120,6 +121,7 @@ const std::vector<ViewInfo>& displayViews() {
       {"motion", "Motion since the last frame (grey: none; full colour at 16 pixels)"},
       {"reference", "Reference"},
       {"reference_indirect", "Reference, indirect irradiance"},
+      {"reference_specular", "Reference, indirect specular radiance"},
       {"reference_direct", "Reference, direct irradiance"},
       {"error", "Error against the matched reference"},
       {"error_full", "Error against the full reference"},
@@ -128,7 +130,7 @@ const std::vector<ViewInfo>& displayViews() {
 }
 
 GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& direct, const GpuImage& indirect,
-                         vec3 sky) {
+                         vec3 sky, const GpuImage& specular) {
   // Two composites of one frame (the picture, and indirect light alone to look at) are two images.
   const char* name = direct ? "composite" : "composite: indirect";
   const GpuImage radiance = graph.transient(name, {g.width, g.height, Format::RGBA32F});
@@ -139,9 +141,11 @@ GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& di
       // What is missing is never read; something has to be bound all the same.
       .sample("direct", direct ? direct : g.position)
       .sample("indirect", indirect ? indirect : g.position)
+      .sample("specular", specular ? specular : g.position)
       .bind("radiance", radiance, Access::Write)
       .specialize("kDirect", direct ? 1 : 0)
       .specialize("kIndirect", indirect ? 1 : 0)
+      .specialize("kSpecular", specular ? 1 : 0)
       .push(sky)
       .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
   return radiance;

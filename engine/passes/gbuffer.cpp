@@ -106,6 +106,17 @@ GBuffer recordGBuffer(FrameGraph& graph, const GpuScene& scene, const Buffer& co
       .specialize("kLightmap", cornerUvs ? 1 : 0)
       .push(constants)
       .draw(3);
+  if (!scene.features.glossySurfaces) {
+    graph.skip("gbuffer: specular", "scene has no glossy surfaces");
+    return g;
+  }
+  g.specular = image("gbuffer.specular", Format::RGBA32F);
+  // An image of its own pass: devices need to have no more than four attachments, and scenes without gloss need no variant of the pass above.
+  graph.raster("gbuffer: specular", "passes/surfaces.vert", "passes/specular.frag", {{g.specular}, GpuImage()})
+      .bind("materials", scene.materials, Access::Read)
+      .sample("position", g.position)
+      .sample("ids", g.ids)
+      .draw(3);
   return g;
 }
 

@@ -13,13 +13,15 @@ struct GBuffer {
   GpuImage geometricNormal;  ///< RGBA32F: triangle's normal; w: lightmap v
   GpuImage albedo;           ///< RGBA32F: 0 on the back of a one-sided material
   GpuImage emission;         ///< RGBA32F (16 bits would overflow at 65504): radiance towards the camera
+  GpuImage specular;         ///< RGBA32F: reflectance at normal incidence, 0 on diffuse surfaces and on the back of a one-sided material; w: roughness (perceptual).
+                             ///< Empty where the scene has no glossy surfaces
   GpuImage ids;              ///< RG32U: triangle + 1, material
   GpuImage motion;           ///< RG32F [pixels]: where this pixel's surface (or its direction, where there is none) was in the previous frame, minus where
                              ///< it is; y down. Far outside the image where it was behind the camera. Empty unless recordMotion() was called.
   int width = 0, height = 0;
 };
 
-/// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there). `cornerUvs`: lightmap UVs,
+/// Passes "gbuffer: visibility" (which triangle) and "gbuffer: surfaces" (what is there); "gbuffer: specular" (lobes), where the scene has glossy surfaces. `cornerUvs`: lightmap UVs,
 /// vec2 a triangle's corner, or empty where there is no lightmap.
 GBuffer recordGBuffer(FrameGraph&, const GpuScene&, const Buffer& cornerUvs, const Camera&, int width, int height);
 

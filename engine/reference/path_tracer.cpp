@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "shaders/shared/ggx.h"
+
 namespace hl {
 namespace {
 
@@ -171,18 +173,32 @@ void PathTracer::indirect(const ShadingPoint& receiver, PathSampler& sampler, Bo
                           PathCounters& counters) const {
   ++counters.paths;
   if (maxBounces_ <= 0) return;
+  const vec3 direction = shared::fromLocal(
+      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), receiver.normal);
+  if (!above(receiver, direction)) return;
+  follow(receiver.origin, direction, vec3(kPi), sampler, sum, counters);  // pi: of radiance, towards irradiance
+}
+
+void PathTracer::specular(const Receiver& receiver, PathSampler& sampler, BounceSample& sum, PathCounters& counters) const {
+  ++counters.paths;
+  if (maxBounces_ <= 0) return;
+  const ShadingPoint p = shadingPoint(receiver);
+  const shared::GgxSample s = shared::sampleGgx(shared::toLocal(receiver.view, p.normal), receiver.specular, receiver.roughness, sampler.next(0, SamplePurpose::Direction));
+  if (!(largest(s.weight) > 0)) return;
+  const vec3 direction = shared::fromLocal(s.light, p.normal);
+  if (!above(p, direction)) return;
+  follow(p.origin, direction, s.weight, sampler, sum, counters);
+}
+
+void PathTracer::follow(vec3 origin, vec3 direction, vec3 throughput, PathSampler& sampler, BounceSample& sum, PathCounters& counters) const {
   const auto add = [&](size_t bucket, vec3 value) {
     if (finite(value))
       sum[bucket] += value;
     else
       ++counters.nonFinite;
   };
-  vec3 direction = shared::fromLocal(
-      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), receiver.normal);
-  if (!above(receiver, direction)) return;
   ++counters.rays;
-  Hit hit = embree_.closest(rayFrom(receiver.origin, direction));
-  vec3 throughput(kPi);  // of radiance along `direction`, towards the receiver's irradiance
+  Hit hit = embree_.closest(rayFrom(origin, direction));
   for (int bounce = 0; hit.primitive != shared::kMiss; ++bounce) {
     const Surface y = surfaceAt(scene_, hit, direction, mappedBounces_);
     if (y.backFace && (!y.twoSided || frontFacesOnly_)) {

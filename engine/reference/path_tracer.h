@@ -41,6 +41,8 @@ class PathTracer {
 
   /// One path's estimate of indirect irradiance, added to `sum`. `sampler` has begun its sample.
   void indirect(const ShadingPoint&, PathSampler& sampler, BounceSample& sum, PathCounters&) const;
+  /// The same of the radiance that a glossy receiver's lobe reflects towards the camera; all bounces before are diffuse.
+  void specular(const Receiver&, PathSampler& sampler, BounceSample& sum, PathCounters&) const;
   /// Irradiance from punctual lights, without noise.
   vec3 punctual(const ShadingPoint&, PathCounters&) const;
   /// One estimate of direct irradiance from emissive surfaces, sky and environment map.
@@ -62,6 +64,9 @@ class PathTracer {
   vec3 sampledEnvironment(const ShadingPoint&, vec2 u, PathCounters&) const;
   /// Radiance of sky and map where a ray, made by the cosine, hits nothing; the map's weighed against sampling it.
   vec3 foundSky(const ShadingPoint& from, vec3 direction) const;
+
+  /// What surfaces along the path that begins with this ray reflect, times `throughput`, by bounce.
+  void follow(vec3 origin, vec3 direction, vec3 throughput, PathSampler&, BounceSample& sum, PathCounters&) const;
 
   const EmbreeScene& embree_;
   const Scene& scene_;

@@ -13,7 +13,7 @@ vec3 rgb(const Image& image, size_t pixel) {
 }  // namespace
 
 std::vector<Receiver> receiversFromGBuffer(const Image& position, const Image& normal, const Image& geometricNormal,
-                                           std::span<const uint32_t> ids, const Scene* scene) {
+                                           std::span<const uint32_t> ids, const Scene* scene, const vec3* eye) {
   const size_t count = position.pixels();
   if (position.channels != 4 || normal.channels < 3 || geometricNormal.channels < 3 || normal.pixels() != count ||
       geometricNormal.pixels() != count)
@@ -30,8 +30,10 @@ std::vector<Receiver> receiversFromGBuffer(const Image& position, const Image& n
     r.mappedNormal = glm::normalize(rgb(normal, i));
     r.backFace = side < 0;
     r.twoSided = true;
-    if (!ids.empty() && ids[2 * i + 1] < scene->materials.size())
-      r.twoSided = scene->materials[ids[2 * i + 1]].twoSided;
+    if (ids.empty() || ids[2 * i + 1] >= scene->materials.size()) continue;
+    const Material& m = scene->materials[ids[2 * i + 1]];
+    r.twoSided = m.twoSided;
+    if (eye && m.glossy()) r.view = glm::normalize(*eye - r.position), r.specular = m.specular, r.roughness = m.roughness;
   }
   return receivers;
 }

@@ -17,6 +17,7 @@ namespace {
 
 // Changes whenever the same settings would give other numbers: caches of before are then not found.
 constexpr uint32_t kReferenceVersion = 2;
+constexpr uint32_t kLobeVersion = 1;  // the same, of glossy receivers alone
 // Paths in a pass where there are few receivers (else one a half and receiver), and in a unit of `advance`.
 constexpr uint32_t kPassPaths = 8192;
 constexpr uint32_t kUnitPaths = 2048;
@@ -26,9 +27,15 @@ constexpr uint32_t kDirectSamplesAPath = 8;
 constexpr uint32_t kCancelInterval = 32;
 // Streams of random numbers a half: indirect, direct.
 constexpr uint32_t kStreams = 2;
+// Of the lobes' paths of half 0; after those of indirect and direct light, which scenes without gloss have alone.
+constexpr uint32_t kSpecularStream = 2 * kStreams;
+
+bool anyGlossy(const std::vector<Receiver>& receivers) {
+  return std::any_of(receivers.begin(), receivers.end(), [](const Receiver& r) { return r.glossy(); });
+}
 
 std::string keyOf(const Scene& scene, const std::vector<Receiver>& receivers, int width, int height,
-                  const ReferenceSettings& s) {
+                  const ReferenceSettings& s, bool lobes) {
   Hasher h;
   h.value(kReferenceVersion).text(sceneContentHash(scene)).value(width).value(height);
   for (const Receiver& r : receivers) {
@@ -37,6 +44,11 @@ std::string keyOf(const Scene& scene, const std::vector<Receiver>& receivers, in
   }
   h.value(s.maxBounces).value(s.seed).value<uint8_t>(s.frontFacesOnly).value(static_cast<int>(s.receiver));
   h.value(s.directSamples);
+  // Without lobes the key is what it was before there were any.
+  if (lobes) {
+    h.text("lobes").value(kLobeVersion);
+    for (const Receiver& r : receivers) h.value(r.view).value(r.specular).value(r.roughness);
+  }
   return h.hex();
 }
 
@@ -51,11 +63,8 @@ Image meanOf(const Image& a, const Image& b) {
   return m;
 }
 
-}  // namespace
-
-ReferenceImage ReferenceResult::directImage() const { return {meanOf(direct[0], direct[1]), direct[0], direct[1]}; }
-
-ReferenceImage ReferenceResult::indirectImage(int bounces) const {
+/// Of the buckets up to `bounces`.
+ReferenceImage sumOf(const std::array<Image, kBounceBuckets> (&buckets)[2], int bounces, int width, int height) {
   ReferenceImage r;
   Image* halves[2] = {&r.halfA, &r.halfB};
   // Beyond the buckets of their own there is only "all".
@@ -64,11 +73,19 @@ ReferenceImage ReferenceResult::indirectImage(int bounces) const {
     Image& sum = *halves[half] = Image(width, height, 3);
     // The smallest terms first.
     for (int b = count - 1; b >= 0; --b)
-      for (size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += indirect[half][static_cast<size_t>(b)].data[i];
+      for (size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += buckets[half][static_cast<size_t>(b)].data[i];
   }
   r.mean = meanOf(r.halfA, r.halfB);
   return r;
 }
+
+}  // namespace
+
+ReferenceImage ReferenceResult::directImage() const { return {meanOf(direct[0], direct[1]), direct[0], direct[1]}; }
+
+ReferenceImage ReferenceResult::indirectImage(int bounces) const { return sumOf(indirect, bounces, width, height); }
+
+ReferenceImage ReferenceResult::specularImage(int bounces) const { return sumOf(specular, glossy() ? bounces : 0, width, height); }
 
 struct ReferenceTracer::Impl {
   std::shared_ptr<const EmbreeScene> embree;
@@ -77,6 +94,7 @@ struct ReferenceTracer::Impl {
   TaskPool& pool;
   PathTracer tracer;
   uint64_t seed;
+  bool lobes = false;  ///< some receiver's is traced
   ReferenceCount goal;
   uint32_t samplesAPass = 1, unitReceivers = 1;
   std::string key;
@@ -94,12 +112,13 @@ struct ReferenceTracer::Impl {
       throw badInput(fmt::format("reference: {} receivers are not {} x {}", receivers.size(), w, h));
     goal.paths = static_cast<uint32_t>(std::max(2, s.samplesPerPixel) + 1) / 2;
     if (tracer.hasExtendedLight()) goal.direct = static_cast<uint32_t>(std::max(2, s.directSamples) + 1) / 2;
+    lobes = s.glossyLastBounce && anyGlossy(receivers);
     const auto count = static_cast<uint32_t>(receivers.size());
     // A power of two, so that the usual sample counts are whole passes, and one serves another from the cache.
     samplesAPass = std::bit_floor(std::max(1u, kPassPaths / (2 * count)));
-    unitReceivers = std::max(1u, kUnitPaths / (2 * samplesAPass));
-    key = keyOf(embree->scene(), receivers, w, h, s);
-    state = ReferenceState(count, static_cast<uint32_t>(std::clamp(s.maxBounces, 0, kBounceBuckets)));
+    unitReceivers = std::max(1u, kUnitPaths / ((lobes ? 4 : 2) * samplesAPass));
+    key = keyOf(embree->scene(), receivers, w, h, s, lobes);
+    state = ReferenceState({count, static_cast<uint32_t>(std::clamp(s.maxBounces, 0, kBounceBuckets)), lobes});
     planPass();
   }
 
@@ -119,24 +138,40 @@ struct ReferenceTracer::Impl {
     band = 0;
   }
 
+  using BucketSums = std::array<glm::dvec3, kBounceBuckets>;
+
+  /// Adds the samples from state.now to state.next of one half: `path` adds one to what it is given.
+  template <class Path>
+  void addPaths(BucketSums& sums, uint32_t stream, uint32_t receiver, const Progress& progress, Path&& path) const {
+    PathSampler sampler(seed, stream, receiver);
+    for (uint32_t s = state.now.paths; s < state.next.paths; ++s) {
+      if (s % kCancelInterval == 0) progress.check();
+      BounceSample sample;
+      sample.fill(vec3(0.0f));
+      sampler.begin(s);
+      path(sampler, sample);
+      for (uint32_t b = 0; b < state.buckets; ++b) sums[b] += glm::dvec3(sample[b]);
+    }
+  }
+  void keep(std::vector<vec3>& kept, uint32_t receiver, const BucketSums& added) const {
+    vec3* sums = kept.data() + static_cast<size_t>(receiver) * state.buckets;
+    for (uint32_t b = 0; b < state.buckets; ++b) sums[b] = vec3(glm::dvec3(sums[b]) + added[b]);
+  }
+
   /// Takes receiver `i` from state.now to state.next, or throws and leaves it as it was.
   void traceReceiver(uint32_t i, const Progress& progress, PathCounters& total) {
     PathCounters counters;
     if (tracer.receives(receivers[i])) {
       const ShadingPoint point = tracer.shadingPoint(receivers[i]);
-      std::array<std::array<glm::dvec3, kBounceBuckets>, 2> paths{};
+      const bool lobe = lobes && receivers[i].glossy();
+      std::array<BucketSums, 2> paths{}, specular{};
       std::array<glm::dvec3, 2> extended{state.extended[0][i], state.extended[1][i]};
       const vec3 punctual = state.now.paths == 0 ? tracer.punctual(point, counters) : state.punctual[i];
       for (uint32_t half = 0; half < 2; ++half) {
-        PathSampler sampler(seed, kStreams * half, i);
-        for (uint32_t s = state.now.paths; s < state.next.paths; ++s) {
-          if (s % kCancelInterval == 0) progress.check();
-          BounceSample sample;
-          sample.fill(vec3(0.0f));
-          sampler.begin(s);
-          tracer.indirect(point, sampler, sample, counters);
-          for (uint32_t b = 0; b < state.buckets; ++b) paths[half][b] += glm::dvec3(sample[b]);
-        }
+        addPaths(paths[half], kStreams * half, i, progress, [&](PathSampler& sampler, BounceSample& sample) { tracer.indirect(point, sampler, sample, counters); });
+        if (lobe)
+          addPaths(specular[half], kSpecularStream + half, i, progress,
+                   [&](PathSampler& sampler, BounceSample& sample) { tracer.specular(receivers[i], sampler, sample, counters); });
         PathSampler directSampler(seed, kStreams * half + 1, i);
         for (uint32_t s = state.now.direct; s < state.next.direct; ++s) {
           if (s % kCancelInterval == 0) progress.check();
@@ -146,8 +181,8 @@ struct ReferenceTracer::Impl {
       }
       state.punctual[i] = punctual;
       for (uint32_t half = 0; half < 2; ++half) {
-        vec3* sums = state.indirect[half].data() + static_cast<size_t>(i) * state.buckets;
-        for (uint32_t b = 0; b < state.buckets; ++b) sums[b] = vec3(glm::dvec3(sums[b]) + paths[half][b]);
+        keep(state.indirect[half], i, paths[half]);
+        if (lobe) keep(state.specular[half], i, specular[half]);
         state.extended[half][i] = extended[half];
       }
     }
@@ -198,6 +233,8 @@ struct ReferenceTracer::Impl {
     for (int half = 0; half < 2; ++half) {
       r->direct[half] = Image(width, height, 3);
       for (Image& image : r->indirect[half]) image = Image(width, height, 3);
+      if (lobes)
+        for (Image& image : r->specular[half]) image = Image(width, height, 3);
     }
     constexpr size_t kGrain = 4096;
     pool.parallelFor(state.receivers, kGrain, [&](size_t first, size_t last, unsigned) {
@@ -207,8 +244,10 @@ struct ReferenceTracer::Impl {
           const double direct = n.direct ? 1 / static_cast<double>(n.direct) : 0.0;
           const float paths = n.paths ? 1 / static_cast<float>(n.paths) : 0.0f;
           setPixel(r->direct[half], i, state.punctual[i] + vec3(state.extended[half][i] * direct));
-          for (uint32_t b = 0; b < state.buckets; ++b)
+          for (uint32_t b = 0; b < state.buckets; ++b) {
             setPixel(r->indirect[half][b], i, state.indirect[half][i * state.buckets + b] * paths);
+            if (lobes) setPixel(r->specular[half][b], i, state.specular[half][i * state.buckets + b] * paths);
+          }
         }
     });
     std::lock_guard lock(resultMutex);
@@ -224,7 +263,7 @@ ReferenceTracer::~ReferenceTracer() = default;
 
 void ReferenceTracer::resume() {
   Impl& im = *impl_;
-  std::optional<ReferenceState> s = loadReference(im.key, im.state.receivers, im.state.buckets, im.goal.paths, im.samplesAPass);
+  std::optional<ReferenceState> s = loadReference(im.key, {im.state.receivers, im.state.buckets, im.lobes}, im.goal.paths, im.samplesAPass);
   if (!s || s->now.direct > im.goal.direct) return;
   im.state = std::move(*s);
   im.band = 0;

@@ -18,6 +18,10 @@ struct Receiver {
   vec3 position{0.0f}, geometricNormal{0.0f}, mappedNormal{0.0f};
   bool backFace = false;  ///< the camera sees the surface's back (normals are turned towards the camera)
   bool twoSided = false;
+  /// The lobe of a glossy surface (Material::specular, roughness), and where its light is wanted: towards the camera, unit. Without a view there is no lobe.
+  vec3 view{0.0f}, specular{0.0f};
+  float roughness = kDefaultRoughness;
+  bool glossy() const { return view != vec3(0.0f) && specular != vec3(0.0f); }
 };
 
 struct ReferenceSettings {
@@ -26,15 +30,19 @@ struct ReferenceSettings {
   uint64_t seed = 1;
   bool frontFacesOnly = false;
   ReceiverNormal receiver = ReceiverNormal::Mapped;
+  bool glossyLastBounce = true;  ///< also radiance by the lobes of glossy receivers, with as many paths again; without such receivers it means nothing
   int directSamples = 64;      ///< of emissive surfaces and sky a receiver, for the direct image, in all; punctual lights are exact
 };
 
-/// Irradiance by bounce: bucket b holds the light that was reflected b + 1 times before it reached the receiver (the last: all more).
+/// Irradiance [W/m^2] by bounce: bucket b holds the light that was reflected b + 1 times before it reached the receiver (the last: all more).
 struct ReferenceResult {
   int width = 0, height = 0;
   int samplesPerPixel = 0;     ///< reached so far
   Image direct[2];             ///< direct irradiance, two independent halves (RGB)
   std::array<Image, kBounceBuckets> indirect[2];
+  /// By the same bounces, radiance [W/(sr m^2)] towards the camera of what the receiver's lobe reflects. Emission and sky seen in the lobe are direct light, and not in it. Images
+  /// without pixels where no receiver is glossy, or settings.glossyLastBounce is off.
+  std::array<Image, kBounceBuckets> specular[2];
   uint64_t backFaceHits = 0;   ///< paths that ended on the back of a one-sided surface (of any, where front faces alone count)
   uint64_t nonFinite = 0;      ///< contributions that were NaN or Inf, and left out
   uint64_t paths = 0, rays = 0;  ///< that the result took, shadow rays included
@@ -43,6 +51,9 @@ struct ReferenceResult {
   ReferenceImage directImage() const;
   /// Sum of the buckets up to `bounces`.
   ReferenceImage indirectImage(int bounces) const;
+  bool glossy() const { return specular[0][0].pixels() > 0; }
+  /// As indirectImage, of `specular`; black where there is none.
+  ReferenceImage specularImage(int bounces) const;
 };
 
 /// Progressive and resumable: each `advance` adds one numbered pass (a fixed number of samples a pixel). The result after pass n does not depend

@@ -16,7 +16,9 @@
 namespace hl {
 namespace {
 
-constexpr std::string_view kMagic = "halflight reference 3\n";
+// Files of glossy receivers hold their lobes' sums too; all others are as they were before there were any.
+constexpr std::string_view kMagic = "halflight reference 3\n", kMagicWithLobes = "halflight reference 4\n";
+static_assert(kMagic.size() == kMagicWithLobes.size());
 constexpr size_t kHashDigits = 32;
 constexpr const char* kExtension = ".reference";
 constexpr uint32_t kMostBuckets = 256;  // in a file: more is damage
@@ -33,18 +35,20 @@ void append(std::string& bytes, const T* data, size_t count) {
   bytes.append(reinterpret_cast<const char*>(data), count * sizeof(T));
 }
 
-size_t payloadBytes(uint64_t receivers, uint64_t buckets) {
-  return sizeof(Header) + receivers * ((2 * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3) + 1);
+size_t payloadBytes(uint64_t receivers, uint64_t buckets, bool lobes) {
+  return sizeof(Header) + receivers * (((lobes ? 4 : 2) * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3) + 1);
 }
+
+bool withLobes(std::string_view bytes) { return bytes.starts_with(kMagicWithLobes); }
 
 /// What the file holds, its length and checksum in order. @throws Error(BadInput) with what is wrong with it.
 Header headerOf(std::string_view bytes) {
-  if (!bytes.starts_with(kMagic)) throw badInput("it is no reference of this version");
+  if (!bytes.starts_with(kMagic) && !withLobes(bytes)) throw badInput("it is no reference of this version");
   if (bytes.size() < kMagic.size() + kHashDigits + sizeof(Header)) throw badInput(fmt::format("it has {} bytes: it is cut off", bytes.size()));
   const std::string_view hash = bytes.substr(kMagic.size(), kHashDigits), payload = bytes.substr(kMagic.size() + kHashDigits);
   Header h;
   std::memcpy(&h, payload.data(), sizeof h);
-  if (h.buckets > kMostBuckets || payload.size() != payloadBytes(h.receivers, h.buckets))
+  if (h.buckets > kMostBuckets || payload.size() != payloadBytes(h.receivers, h.buckets, withLobes(bytes)))
     throw badInput(fmt::format("its {} bytes are not those of {} receivers with {} buckets", bytes.size(), h.receivers, h.buckets));
   if (hashOf(payload) != hash) throw badInput("its content does not match its checksum");
   return h;
@@ -53,11 +57,11 @@ Header headerOf(std::string_view bytes) {
 std::string_view keyIn(const Header& h) { return {h.key, sizeof h.key}; }
 
 /// @throws Error(BadInput) with what is wrong with the file.
-ReferenceState parse(std::string_view bytes, std::string_view key, uint32_t receivers, uint32_t buckets) {
+ReferenceState parse(std::string_view bytes, std::string_view key, const ReferenceShape& shape) {
   const Header h = headerOf(bytes);
-  if (h.receivers != receivers || h.buckets != buckets || keyIn(h) != key) throw badInput("it belongs to other receivers");
+  if (ReferenceShape{h.receivers, h.buckets, withLobes(bytes)} != shape || keyIn(h) != key) throw badInput("it belongs to other receivers");
   const std::string_view payload = bytes.substr(kMagic.size() + kHashDigits);
-  ReferenceState s(receivers, buckets);
+  ReferenceState s(shape);
   s.now = h.now, s.next = h.next;
   s.backFaceHits = h.backFaceHits, s.nonFinite = h.nonFinite, s.paths = h.paths, s.rays = h.rays;
   const char* at = payload.data() + sizeof h;
@@ -65,7 +69,7 @@ ReferenceState parse(std::string_view bytes, std::string_view key, uint32_t rece
     std::memcpy(v.data(), at, v.size() * sizeof v[0]);
     at += v.size() * sizeof v[0];
   };
-  for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.extended[half]);
+  for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.specular[half]), take(s.extended[half]);
   take(s.punctual);
   take(s.ahead);
   return s;
@@ -73,9 +77,9 @@ ReferenceState parse(std::string_view bytes, std::string_view key, uint32_t rece
 
 }  // namespace
 
-ReferenceState::ReferenceState(uint32_t receiverCount, uint32_t bucketCount)
-    : receivers(receiverCount), buckets(bucketCount) {
+ReferenceState::ReferenceState(const ReferenceShape& shape) : ReferenceShape(shape) {
   for (int half = 0; half < 2; ++half) {
+    if (lobes) specular[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
     indirect[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
     extended[half].assign(receivers, glm::dvec3(0.0));
   }
@@ -93,8 +97,7 @@ void checkReferenceFile(const std::string& name, std::string_view bytes) {
   if (name != right) throw badInput(fmt::format("it is called {} and holds {}", name, right));
 }
 
-std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
-                                            uint32_t maxSamples, uint32_t pass) {
+std::optional<ReferenceState> loadReference(const std::string& key, const ReferenceShape& shape, uint32_t maxSamples, uint32_t pass) {
   namespace fs = std::filesystem;
   std::map<uint32_t, fs::path, std::greater<>> found;  // by samples, most first
   std::error_code ec;
@@ -109,7 +112,7 @@ std::optional<ReferenceState> loadReference(const std::string& key, uint32_t rec
   }
   for (const auto& [samples, file] : found) {
     try {
-      ReferenceState s = parse(readFile(file), key, receivers, buckets);
+      ReferenceState s = parse(readFile(file), key, shape);
       if (s.next.paths != samples) throw badInput("it does not hold the samples that its name says");
       fs::last_write_time(file, fs::file_time_type::clock::now(), ec);  // what was used last goes last
       return s;
@@ -124,11 +127,12 @@ void storeReference(const std::string& key, const ReferenceState& s) {
   Header h{{}, s.receivers, s.buckets, s.now, s.next, s.backFaceHits, s.nonFinite, s.paths, s.rays};
   std::copy_n(key.begin(), std::min(key.size(), sizeof h.key), h.key);
   std::string bytes;
-  bytes.reserve(kMagic.size() + kHashDigits + payloadBytes(s.receivers, s.buckets));
-  bytes.append(kMagic).append(kHashDigits, '0');
+  bytes.reserve(kMagic.size() + kHashDigits + payloadBytes(s.receivers, s.buckets, s.lobes));
+  bytes.append(s.lobes ? kMagicWithLobes : kMagic).append(kHashDigits, '0');
   append(bytes, &h, 1);
   for (int half = 0; half < 2; ++half) {
     append(bytes, s.indirect[half].data(), s.indirect[half].size());
+    append(bytes, s.specular[half].data(), s.specular[half].size());
     append(bytes, s.extended[half].data(), s.extended[half].size());
   }
   append(bytes, s.punctual.data(), s.punctual.size());

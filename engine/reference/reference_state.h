@@ -20,21 +20,28 @@ struct ReferenceCount {
   bool operator==(const ReferenceCount&) const = default;
 };
 
+/// How much there is to sum up.
+struct ReferenceShape {
+  uint32_t receivers = 0;
+  uint32_t buckets = 0;  ///< kept a receiver
+  bool lobes = false;    ///< glossy receivers are among them
+  bool operator==(const ReferenceShape&) const = default;
+};
+
 /// Sums over samples, by receiver, both halves apart. Indirect sums are added up in double within a pass and kept in float between passes: in
 /// double they would take 0.8 kB a receiver, and rounding once a pass leaves an error of 6e-8 times the root of the passes. Every receiver is at `now`, or, where `ahead` is set, already at `next`: so a pass that was
 /// stopped half-way is neither lost nor done twice.
-struct ReferenceState {
-  uint32_t receivers = 0;
-  uint32_t buckets = 0;  ///< kept a receiver
+struct ReferenceState : ReferenceShape {
   ReferenceCount now, next;
   uint64_t backFaceHits = 0, nonFinite = 0, paths = 0, rays = 0;
   std::vector<vec3> indirect[2];  ///< receivers * buckets, a receiver's buckets together
+  std::vector<vec3> specular[2];  ///< the same of the receivers' lobes; empty without `lobes`
   std::vector<glm::dvec3> extended[2];  ///< receivers: from emissive surfaces and the sky
   std::vector<vec3> punctual;     ///< receivers: exact, not a sum
   std::vector<uint8_t> ahead;     ///< receivers
 
   ReferenceState() = default;
-  ReferenceState(uint32_t receiverCount, uint32_t bucketCount);
+  explicit ReferenceState(const ReferenceShape&);
 };
 
 /// Where a state of `key` with `samples` paths a half (once its pass is complete) is kept.
@@ -45,8 +52,7 @@ void checkReferenceFile(const std::string& name, std::string_view bytes);
 /// The furthest state stored under `key` with at most `maxSamples` paths a half, or nothing. Only states with that many, or with a multiple of `pass`,
 /// will do: going on from others would round at other places than a run in one go. A file that is cut off, altered or of another shape is passed over
 /// with a warning.
-std::optional<ReferenceState> loadReference(const std::string& key, uint32_t receivers, uint32_t buckets,
-                                            uint32_t maxSamples, uint32_t pass);
+std::optional<ReferenceState> loadReference(const std::string& key, const ReferenceShape&, uint32_t maxSamples, uint32_t pass);
 
 /// Atomically. The oldest other references go where the folder would hold more than kReferenceCacheBytes.
 /// @throws Error(Run) where the file cannot be written.

@@ -109,6 +109,9 @@ class Check {
     if (!json_.is_object()) throw badInput(name(), "the JSON of a glTF file is an object");
   }
 
+  /// Materials that say anything of them, which is not read.
+  size_t metallicRoughness() const { return metallicRoughness_; }
+
   std::string run() {
     Copy asset(member(json_, "asset", name()), name() + ": asset");
     asset.text("version");
@@ -277,6 +280,7 @@ class Check {
     Copy pbr(c.need("pbrMetallicRoughness"), c.at("pbrMetallicRoughness"));
     pbr.reals("baseColorFactor", 4, 0, 1);
     texture(pbr, "baseColorTexture");
+    if (pbr.has("metallicFactor") || pbr.has("roughnessFactor") || pbr.has("metallicRoughnessTexture")) ++metallicRoughness_;
     c.set("pbrMetallicRoughness", pbr.result());
   }
 
@@ -405,12 +409,17 @@ class Check {
   std::vector<std::vector<uint64_t>> children_;
   std::vector<int> parents_;
   bool triangles_ = false;
+  size_t metallicRoughness_ = 0;
 };
 
 }  // namespace
 
-std::string checkGltf(std::string_view bytes, const std::filesystem::path& file, Progress* progress) {
-  return Check(bytes, file, progress).run();
+std::string checkGltf(std::string_view bytes, const std::filesystem::path& file, Progress* progress, std::vector<std::string>* warnings) {
+  Check check(bytes, file, progress);
+  std::string checked = check.run();
+  if (const size_t n = check.metallicRoughness(); n > 0 && warnings)
+    warnings->push_back(fmt::format("{}: metallic and roughness of {} material{} are not read; surfaces are diffuse", file.string(), n, n == 1 ? "" : "s"));
+  return checked;
 }
 
 }  // namespace hl

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/core/progress.h"
 
@@ -13,6 +14,7 @@ namespace hl {
 /// would change the look or the shape and is not read (skins, morph targets, sparse accessors, texture transforms) is
 /// refused; KHR_materials_emissive_strength is multiplied into the emission. @throws Error(BadInput): "<file>: <place>:
 /// <what>".
-std::string checkGltf(std::string_view bytes, const std::filesystem::path& file, Progress* = nullptr);
+/// `warnings`: what is passed over and would change the look, one line each.
+std::string checkGltf(std::string_view bytes, const std::filesystem::path& file, Progress* = nullptr, std::vector<std::string>* warnings = nullptr);
 
 }  // namespace hl

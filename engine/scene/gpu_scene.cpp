@@ -38,6 +38,7 @@ std::vector<shared::GpuMaterial> materials(const Scene& scene, const GpuScene& g
     g.albedo = m.albedo, g.emission = m.emission, g.alphaCutoff = m.alphaCutoff;
     g.flags = (m.twoSided ? shared::kMaterialTwoSided : 0u) | (emits(m) ? shared::kMaterialEmissive : 0u);
     g.albedoTexture = m.albedoTexture, g.normalTexture = m.normalTexture;
+    g.specular = m.specular, g.roughness = m.roughness;
     g.albedoUvScale = share(m.albedoTexture), g.normalUvScale = share(m.normalTexture);
     out.push_back(g);
   }

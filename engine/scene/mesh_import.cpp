@@ -184,11 +184,13 @@ Scene importMesh(const std::filesystem::path& file, double scale, Progress* prog
   const bool obj = lowerExtension(file) == ".obj";
   if (progress) progress->begin("import: check", 1);
   ObjSummary summary;
+  std::vector<std::string> warnings;
   if (obj)
     summary = checkObj(bytes, file, progress);
   else
-    bytes = checkGltf(bytes, file, progress);
+    bytes = checkGltf(bytes, file, progress, &warnings);
   AssimpMesh mesh = readMesh(file, bytes, scale, progress, read);
+  mesh.scene.report.warnings.insert(mesh.scene.report.warnings.end(), warnings.begin(), warnings.end());
   if (obj) applyMtl(file, summary, mesh, read);
   dropUnused(mesh);
   if (progress) progress->begin("import: textures", mesh.materials.size());

@@ -44,6 +44,7 @@ void hashAnimations(Hasher& h, const Scene& scene) {
   }
 }
 
+constexpr float kReflectanceSlack = 1e-6f;  // what rounding may add to albedo + specular
 constexpr float kRegionSlack = 1e-4f;  // what rounding may add to x + width
 
 }  // namespace
@@ -79,6 +80,7 @@ SceneFeatures sceneFeatures(const Scene& scene) {
     f.albedoTextures = f.albedoTextures || m.albedoTexture != kNone;
     f.normalMaps = f.normalMaps || m.normalTexture != kNone;
     f.twoSided = f.twoSided || m.twoSided;
+    f.glossySurfaces = f.glossySurfaces || m.glossy();
   }
   f.pointLights = !scene.pointLights.empty();
   f.spotLights = !scene.spotLights.empty();
@@ -116,6 +118,8 @@ std::string sceneContentHash(const Scene& scene) {
   }
   // Scenes without any keep the hash they had.
   if (animated(scene)) hashAnimations(h, scene);
+  for (size_t i = 0; i < scene.materials.size(); ++i)
+    if (const Material& m = scene.materials[i]; m.glossy()) h.text("glossy").value<uint64_t>(i).value(m.specular).value(m.roughness);
   return h.hex();
 }
 
@@ -149,10 +153,16 @@ void finishScene(Scene& scene) {
   for (Material& m : scene.materials) {
     const vec3 highest =
         m.albedo * (m.albedoTexture == kNone ? vec3(1.0f) : brightest(scene.textures[m.albedoTexture]));
-    if (glm::all(glm::lessThanEqual(highest, vec3(kMaxAlbedo)))) continue;
-    ++scene.report.cappedAlbedo;
-    // With a texture it is the product that is capped, where it is looked up.
-    if (m.albedoTexture == kNone) m.albedo = glm::min(m.albedo, vec3(kMaxAlbedo));
+    if (!glm::all(glm::lessThanEqual(highest, vec3(kMaxAlbedo)))) {
+      ++scene.report.cappedAlbedo;
+      // With a texture it is the product that is capped, where it is looked up.
+      if (m.albedoTexture == kNone) m.albedo = glm::min(m.albedo, vec3(kMaxAlbedo));
+    }
+    // What is reflected both ways can't be more than what arrives: at normal incidence, for the texture's brightest texel.
+    const vec3 left = vec3(1.0f) - glm::min(highest, vec3(kMaxAlbedo));
+    if (glm::all(glm::lessThanEqual(m.specular, left + kReflectanceSlack))) continue;
+    ++scene.report.cappedSpecular;
+    m.specular = glm::min(m.specular, left);
   }
   if (!scene.animations.empty()) {
     separateMovingVertices(scene);

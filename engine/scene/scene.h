@@ -20,6 +20,8 @@ struct Texture {
   std::vector<uint8_t> rgba;
 };
 
+inline constexpr float kDefaultRoughness = 0.5f;
+
 struct Material {
   std::string name;
   vec3 albedo{0.8f};      ///< multiplied by the texture; the product is capped at kMaxAlbedo (counted at import)
@@ -27,6 +29,10 @@ struct Material {
   uint32_t albedoTexture = kNone, normalTexture = kNone;
   float alphaCutoff = 0;  ///< > 0: where the albedo texture's alpha is below it there is no surface
   bool twoSided = false;  ///< false: the back reflects nothing (and is counted when seen or hit)
+  vec3 specular{0.0f};    ///< reflectance at normal incidence, [0, 1]; above 0 the surface is glossy, with the lobe of shaders/shared/ggx.h on top of the diffuse one.
+                          ///< Capped to what the albedo leaves of 1 (counted at import); has no texture
+  float roughness = kDefaultRoughness;  ///< perceptual, [shared::kMinRoughness, 1]; alpha is its square. Means nothing without `specular`
+  bool glossy() const { return specular.x > 0 || specular.y > 0 || specular.z > 0; }
 };
 inline constexpr float kMaxAlbedo = 0.99f;
 
@@ -132,6 +138,7 @@ void checkProbes(const std::vector<vec3>&);
 struct ImportReport {
   uint64_t degenerateTriangles = 0;  ///< zero-area triangles, dropped
   uint64_t cappedAlbedo = 0;         ///< materials whose albedo exceeded kMaxAlbedo
+  uint64_t cappedSpecular = 0;       ///< materials whose albedo and specular reflectance together exceeded 1
   uint64_t missingTextures = 0;
   vec3 recentred{0.0f};              ///< subtracted from every position where the scene lay far from the origin
   std::vector<std::string> warnings;
@@ -175,6 +182,7 @@ struct Scene {
 struct SceneFeatures {
   bool surfaces = false, emissive = false, pointLights = false, spotLights = false, directionalLights = false, sky = false, environment = false;
   bool alphaTested = false, albedoTextures = false, normalMaps = false, twoSided = false;
+  bool glossySurfaces = false;
   bool movingObjects = false, movingLights = false;  ///< at some time
   uint32_t emissiveTriangles = 0;
   bool anyLight() const { return emissive || pointLights || spotLights || directionalLights || sky || environment; }

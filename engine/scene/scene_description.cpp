@@ -3,6 +3,7 @@
 #include "engine/core/files.h"
 #include "engine/scene/animation.h"
 #include "engine/scene/json_reader.h"
+#include "shaders/shared/ggx.h"
 
 namespace hl {
 namespace {
@@ -372,6 +373,8 @@ class Reader {
     MaterialOverride m;
     if (const Json* a = o.find("albedo")) m.albedo = JsonObject::asVec3(*a, o.at("albedo"), 0, 1, true);
     if (const Json* e = o.find("emission")) m.emission = JsonObject::asVec3(*e, o.at("emission"), 0, kBrightest, true);
+    if (const Json* f0 = o.find("specular")) m.specular = JsonObject::asVec3(*f0, o.at("specular"), 0, 1, true);
+    if (o.find("roughness")) m.roughness = static_cast<float>(o.number("roughness", kDefaultRoughness, shared::kMinRoughness, 1));
     if (o.find("two_sided")) m.twoSided = o.boolean("two_sided", false);
     if (o.find("alpha_cutoff")) m.alphaCutoff = static_cast<float>(o.number("alpha_cutoff", 0, 0, 1));
     o.refuseUnknown();

@@ -52,7 +52,8 @@ inline constexpr const char* kBoxFaces[6] = {"-x", "+x", "-y", "+y", "-z", "+z"}
 
 /// Replaces what a mesh says of a material, or makes a new one that shapes use.
 struct MaterialOverride {
-  std::optional<vec3> albedo, emission;
+  std::optional<vec3> albedo, emission, specular;
+  std::optional<float> roughness;
   std::optional<bool> twoSided;
   std::optional<float> alphaCutoff;
 };

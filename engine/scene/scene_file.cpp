@@ -36,6 +36,8 @@ uint32_t materialNamed(Scene& scene, const std::string& name, bool add) {
 void override(Material& m, const MaterialOverride& o) {
   if (o.albedo) m.albedo = *o.albedo;
   if (o.emission) m.emission = *o.emission;
+  if (o.specular) m.specular = *o.specular;
+  if (o.roughness) m.roughness = *o.roughness;
   if (o.twoSided) m.twoSided = *o.twoSided;
   if (o.alphaCutoff) m.alphaCutoff = *o.alphaCutoff;
 }

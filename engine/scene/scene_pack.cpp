@@ -46,6 +46,7 @@ void material(Stream& s, Material& m) {
   s.text(m.name);
   s.value(m.albedo), s.value(m.emission), s.value(m.albedoTexture), s.value(m.normalTexture), s.value(m.alphaCutoff);
   s.flag(m.twoSided);
+  s.value(m.specular), s.value(m.roughness);
 }
 
 template <class Stream>
@@ -86,7 +87,7 @@ void whole(Stream& s, Scene& scene) {
   });
   s.value(scene.bounds.min), s.value(scene.bounds.max);
   ImportReport& report = scene.report;
-  s.value(report.degenerateTriangles), s.value(report.cappedAlbedo), s.value(report.missingTextures), s.value(report.recentred);
+  s.value(report.degenerateTriangles), s.value(report.cappedAlbedo), s.value(report.cappedSpecular), s.value(report.missingTextures), s.value(report.recentred);
   s.list(report.warnings, [&](std::string& line) { s.text(line); });
 }
 

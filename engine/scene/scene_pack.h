@@ -8,7 +8,7 @@
 namespace hl {
 
 /// Raised when the layout below, or what an import makes of a file, changes.
-inline constexpr uint32_t kScenePackVersion = 5;
+inline constexpr uint32_t kScenePackVersion = 6;
 
 /// Everything but `source`.
 std::string packScene(const Scene&);

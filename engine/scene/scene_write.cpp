@@ -80,6 +80,8 @@ void materials(const Scene& s, Json& root) {
       Json& all = root["materials"];
       if (m.albedo != old.albedo) all[m.name]["albedo"] = numbers(m.albedo);
       if (m.emission != old.emission) all[m.name]["emission"] = numbers(m.emission);
+      if (m.specular != old.specular) all[m.name]["specular"] = numbers(m.specular);
+      if (m.roughness != old.roughness) all[m.name]["roughness"] = decimal(m.roughness);
       if (m.twoSided != old.twoSided) all[m.name]["two_sided"] = m.twoSided;
       if (all.is_null()) root.erase("materials");
       break;

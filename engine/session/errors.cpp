@@ -50,7 +50,7 @@ std::shared_ptr<const ReferenceSurfaces> surfacesInAtlas(const Atlas& atlas) {
 /// What the picture shows of a technique and of the truth, ready to be measured.
 struct Truth {
   const char* reference;
-  ReferenceImage indirect, final;
+  ReferenceImage of[3];  ///< by Component
 };
 
 }  // namespace
@@ -95,13 +95,15 @@ std::vector<ErrorValue> Session::measureErrors(const std::vector<std::string>& m
   }
   if (target != "image") throw badInput(fmt::format("error target '{}': it is image or lightmap", target));
   if (!s.full.result) return out;
-  return measureErrorsOf(s.indirectIrradiance(), metrics);
+  const Image specular = s.indirectSpecular();
+  return measureErrorsOf(s.indirectIrradiance(), metrics, &specular);
 }
 
-std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics) {
+std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics, const Image* specular) {
   Impl& s = *impl_;
   std::vector<ErrorValue> out;
-  const int bounces = s.technique->transport().bounces;
+  const Transport transport = s.technique->transport();
+  const int bounces = transport.bounces;
   if (!s.full.result) return out;
   MeasureOptions options;
   options.appearance = s.appearance();
@@ -110,40 +112,61 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   const Image direct = s.device.download(s.directImage);
   options.mask = maskOf(surfaces.position);
   if (!anySet(options.mask)) return out;
-  const Image final = surfaces.composite(direct, indirect);
-  std::vector<Mask> parts;
-  std::vector<std::string> regions;
-  for (auto& [name, part] : s.regionMasks(options.mask)) regions.push_back(name), parts.push_back(std::move(part));
+  std::vector<Component> components = {Component::Indirect, Component::Final};
+  // Of lobes, where any is seen; without their light there is no picture to compare.
+  const Mask glossy = surfaces.glossy();
+  if (anySet(glossy)) {
+    if (specular)
+      components.insert(components.begin() + 1, Component::Specular);
+    else
+      components = {Component::Indirect};
+  }
+  const Image values[] = {indirect, specular ? *specular : Image(), surfaces.composite(direct, indirect, specular ? *specular : Image())};
+  struct Regions {
+    std::vector<std::string> names;
+    std::vector<Mask> masks;
+  };
+  const auto regionsOf = [&](const Mask& mask) {
+    Regions r;
+    for (auto& [name, part] : s.regionMasks(mask)) r.names.push_back(name), r.masks.push_back(std::move(part));
+    return r;
+  };
+  const Regions all = regionsOf(options.mask), lobes = anySet(glossy) ? regionsOf(glossy) : Regions{};
 
-  const auto ofIndirect = surfaces.ofReference(false), ofFinal = surfaces.ofReference(true);
   const ReferenceImage sun = s.full.result->directImage();  // direct light is no technique's: the matched reference's, of front faces or other normals, is not what is shown
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
-  const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets);
+  const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets) && (!anySet(glossy) || transport.glossyLastBounce);
   for (const bool matched : {true, false}) {
     if (matched && !s.referencesStarted()) continue;  // the technique was changed since
     if (!matched && same && !truths.empty()) continue;
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
-    ReferenceImage truth = run.result->indirectImage(matched ? bounces : s.fullBounces());
-    ReferenceImage whole = surfaces.composite(sun, truth);
-    whole.surfaces = ofFinal;
-    truth.surfaces = ofIndirect;
-    truths.push_back({matched ? "matched" : "full", std::move(truth), std::move(whole)});
+    Truth truth{matched ? "matched" : "full", {run.result->indirectImage(s.bouncesOf(matched)), s.lobesOf(run, matched), {}}};
+    truth.of[2] = surfaces.composite(sun, truth.of[0], truth.of[1]);
+    for (const Component c : components) truth.of[static_cast<size_t>(c)].surfaces = surfaces.ofReference(c);
+    truths.push_back(std::move(truth));
   }
 
   struct Job {
     const Truth* truth;
     std::string metric;
-    bool final;
+    Component component;
     std::vector<MetricResult> results;
   };
   std::vector<Job> jobs;
   for (const Truth& truth : truths)
     for (const std::string& m : metrics)
-      for (const bool composite : {false, true}) jobs.push_back({&truth, m, composite, {}});
-  const auto run = [&](Job& job, const MeasureOptions& with) {
-    job.results = measureRegions(job.metric, job.final ? final : indirect, job.final ? job.truth->final : job.truth->indirect, with, parts);
+      for (const Component c : components) {
+        // Where the technique models no lobes there is no light in its matched reference's either.
+        if (c == Component::Specular && truth.reference == std::string_view("matched") && !transport.glossyLastBounce) continue;
+        jobs.push_back({&truth, m, c, {}});
+      }
+  const auto run = [&](Job& job, MeasureOptions with) {
+    const auto component = static_cast<size_t>(job.component);
+    const bool ofLobes = job.component == Component::Specular;
+    if (ofLobes) with.mask = glossy;
+    job.results = measureRegions(job.metric, values[component], job.truth->of[component], with, ofLobes ? lobes.masks : all.masks);
   };
   // Those that see neighbours share the pool among their rows, one after the other; of the rest each is a task.
   for (Job& job : jobs)
@@ -154,9 +177,11 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     for (size_t i = first; i < last; ++i)
       if (!metricInfo(jobs[i].metric).windowed) run(jobs[i], alone);
   });
-  for (const Job& job : jobs)
-    for (size_t i = 0; i < parts.size(); ++i)
-      out.push_back(valueOf(job.results[i], job.metric, job.truth->reference, "image", job.final ? "final" : "indirect", regions[i]));
+  for (const Job& job : jobs) {
+    const std::vector<std::string>& names = job.component == Component::Specular ? lobes.names : all.names;
+    for (size_t i = 0; i < names.size(); ++i)
+      out.push_back(valueOf(job.results[i], job.metric, job.truth->reference, "image", kComponentNames[static_cast<size_t>(job.component)], names[i]));
+  }
   if (same && truths.size() == 1 && truths[0].reference == std::string_view("matched")) {
     const size_t count = out.size();
     for (size_t i = 0; i < count; ++i) out.push_back(out[i]), out.back().reference = "full";

@@ -71,18 +71,17 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   const Camera camera = s.camera(), previousCamera = s.previousCamera.value_or(camera);
   if (s.motionWanted()) recordMotion(s.graph, s.gbuffer, s.gpuScene, camera, previousCamera);
   s.directImage = s.directLight->recordPixels(s.graph, s.gbuffer, s.direct, s.preset.seed);
-  s.indirectImage = {};
+  s.indirectImage = s.specularImage = {};
   if (s.held || s.techniqueStale) {
     s.graph.skip(s.preset.technique, "its preparation was cancelled or failed");
   } else if (!hasSurfaces || !s.features.anyLight()) {
     s.graph.skip(s.preset.technique, hasSurfaces ? "the scene has no lights" : "the scene has no surfaces");
   } else {
-    s.indirectImage = s.technique
-                          ->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view, camera, previousCamera, s.time, s.previousTime,
-                                             s.frameSinceChange, s.cameraMoved, s.lightsMoved, s.geometryMoved})
-                          .irradiance;
+    const IndirectLight light = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view, camera, previousCamera, s.time,
+                                                              s.previousTime, s.frameSinceChange, s.cameraMoved, s.lightsMoved, s.geometryMoved});
+    s.indirectImage = light.irradiance, s.specularImage = light.specular;
   }
-  s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky);
+  s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky, s.specularImage);
   recordBackground(s.graph, s.gbuffer, s.gpuScene, camera, s.finalImage);
 
   GpuImage source = s.finalImage;
@@ -95,7 +94,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (viewId == "position") source = s.gbuffer.position, sceneReferred = false;
   if (viewId == "emission") source = s.gbuffer.emission;
   if (viewId == "motion") source = s.gbuffer.motion, sceneReferred = false;
-  if (viewId == "indirect") source = recordComposite(s.graph, s.gbuffer, GpuImage(), s.indirectImage, vec3(0));
+  if (viewId == "indirect") source = recordComposite(s.graph, s.gbuffer, GpuImage(), s.indirectImage, vec3(0), s.specularImage);
+  if (viewId == "specular") source = s.specularImage;
   if (!s.held)
     for (const DebugView& v : s.technique->debugViews())
       if (v.id == viewId && v.image) source = v.image, sceneReferred = v.irradiance;
@@ -212,7 +212,8 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   r.settled = !worked && !running && !s.geometryMissed && !s.lightsMissed && !s.resetWanted && s.techniqueSettled() && s.directLight->settled(s.direct) &&
               (!s.referenceWanted || s.referenceStopped || referencesDone);
   r.provenance = provenance();
-  r.message = s.message.empty() ? s.momentNote() : s.message;
+  // Else what the picture had to say of itself.
+  if (std::string note = s.message.empty() ? s.momentNote() : s.message; !note.empty()) r.message = std::move(note);
   r.techniqueFailed = s.held, r.failure = s.heldKind;
   r.pick = s.pickReport;
   r.picked = s.picked;

@@ -15,7 +15,7 @@
 namespace hl {
 namespace {
 
-constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_indirect", "reference_matched", "reference_matched_indirect"};
+constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_indirect", "reference_specular", "reference_matched", "reference_matched_indirect", "reference_matched_specular"};
 
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
@@ -39,27 +39,44 @@ uint64_t Session::surfacePixels() {
 
 Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
 
-Image SurfaceImages::composite(const Image& direct, const Image& indirect) const {
+Image SurfaceImages::composite(const Image& direct, const Image& indirect, const Image& lobes) const {
   Image out(direct.width, direct.height, 3);
+  const auto at = [](const Image& image, size_t pixel, size_t c) { return image.data[pixel * static_cast<size_t>(image.channels) + c]; };
   for (size_t i = 0; i < out.pixels(); ++i)
     for (size_t c = 0; c < 3; ++c) {
-      const float e = direct.data[i * static_cast<size_t>(direct.channels) + c] + indirect.data[i * static_cast<size_t>(indirect.channels) + c];
-      out.data[i * 3 + c] = seen(i) ? emission.data[i * 4 + c] + e * albedo.data[i * 4 + c] / kPi : sky[static_cast<int>(c)] + (map.empty() ? 0.0f : map[i][static_cast<int>(c)]);
+      float& radiance = out.data[i * 3 + c];
+      if (!seen(i)) {
+        radiance = sky[static_cast<int>(c)] + (map.empty() ? 0.0f : map[i][static_cast<int>(c)]);
+        continue;
+      }
+      radiance = at(emission, i, c) + (at(direct, i, c) + at(indirect, i, c)) * at(albedo, i, c) / kPi;
+      if (lobes.pixels() > 0) radiance += at(lobes, i, c);
     }
   return out;
 }
 
-std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(bool composite) const {
+Mask SurfaceImages::glossy() const {
+  Mask out(position.pixels(), 0);
+  for (size_t i = 0; i < specular.pixels(); ++i) out[i] = seen(i) && (specular.data[i * 4] > 0 || specular.data[i * 4 + 1] > 0 || specular.data[i * 4 + 2] > 0);
+  return out;
+}
+
+std::shared_ptr<const ReferenceSurfaces> SurfaceImages::ofReference(Component component) const {
   ReferenceSurfaces out{position, geometricNormal, {}, {}};
-  if (composite) {
+  if (component == Component::Specular) out.gain = specular;
+  if (component == Component::Final) {
     out.gain = albedo, out.offset = emission;
+    // A lobe's radiance goes with its reflectance about as that of the diffuse part goes with albedo.
+    for (size_t i = 0; i < specular.data.size(); ++i)
+      if (i % 4 < 3) out.gain.data[i] += specular.data[i];
     for (float& x : out.gain.data) x /= kPi;
   }
   return std::make_shared<const ReferenceSurfaces>(std::move(out));
 }
 
 SurfaceImages Session::Impl::surfaceImages() {
-  SurfaceImages out{device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission), scene->sky, {}};
+  SurfaceImages out{device.download(gbuffer.position), device.download(gbuffer.geometricNormal), device.download(gbuffer.albedo), device.download(gbuffer.emission),
+                    gbuffer.specular ? device.download(gbuffer.specular) : Image(), scene->sky, {}};
   if (!features.environment) return out;
   const EnvironmentLight environment(scene->environment);
   const CameraBasis basis = cameraBasis(camera(), static_cast<float>(gbuffer.width) / static_cast<float>(gbuffer.height));
@@ -75,20 +92,37 @@ Image Session::Impl::indirectIrradiance() {
   return indirectImage ? device.download(indirectImage) : Image(gbuffer.width, gbuffer.height, 4);
 }
 
-ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect) const {
-  return {composite(direct.mean, indirect.mean), composite(direct.halfA, indirect.halfA), composite(direct.halfB, indirect.halfB)};
+Image Session::Impl::indirectSpecular() {
+  if (!features.glossySurfaces) return {};
+  return specularImage ? device.download(specularImage) : Image(gbuffer.width, gbuffer.height, 4);
+}
+
+ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& lobes) const {
+  return {composite(direct.mean, indirect.mean, lobes.mean), composite(direct.halfA, indirect.halfA, lobes.halfA),
+          composite(direct.halfB, indirect.halfB, lobes.halfB)};
+}
+
+ReferenceImage Session::Impl::lobesOf(const ReferenceRun& run, bool matchedPaths) const {
+  if (!features.glossySurfaces) return {};
+  return run.result->specularImage(matchedPaths && !technique->transport().glossyLastBounce ? 0 : bouncesOf(matchedPaths));
 }
 
 ReferenceImage Session::Impl::referenceImage(const std::string& name) {
   const bool limited = name.rfind("reference_matched", 0) == 0;
   const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
   if (!run) throw badInput(fmt::format("image '{}': there is no {}reference yet", name, limited ? "matched " : ""));
+  if (name.ends_with("_specular") && !features.glossySurfaces) throw badInput(fmt::format("image '{}': the scene has no glossy surfaces", name));
   const SurfaceImages surfaces = surfaceImages();
+  if (name.ends_with("_specular")) {
+    ReferenceImage image = lobesOf(*run, limited);
+    image.surfaces = surfaces.ofReference(Component::Specular);
+    return image;
+  }
   const bool onlyDirect = name == "reference_direct", composite = !onlyDirect && !name.ends_with("_indirect");
-  ReferenceImage image = onlyDirect ? run->result->directImage() : run->result->indirectImage(limited ? technique->transport().bounces : fullBounces());
+  ReferenceImage image = onlyDirect ? run->result->directImage() : run->result->indirectImage(bouncesOf(limited));
   // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
-  if (composite) image = surfaces.composite(full.result->directImage(), image);
-  image.surfaces = surfaces.ofReference(composite);
+  if (composite) image = surfaces.composite(full.result->directImage(), image, lobesOf(*run, limited));
+  image.surfaces = surfaces.ofReference(composite ? Component::Final : Component::Indirect);
   return image;
 }
 
@@ -100,7 +134,15 @@ Image Session::Impl::linearImage(const std::string& name) {
     const Image albedo = device.download(gbuffer.albedo);
     for (size_t i = 0; i < irradiance.pixels(); ++i)
       for (size_t c = 0; c < 3; ++c) irradiance.data[i * 3 + c] *= albedo.data[i * 4 + c] / kPi;
+    if (!specularImage) return irradiance;
+    const Image lobes = device.download(specularImage);
+    for (size_t i = 0; i < irradiance.pixels(); ++i)
+      for (size_t c = 0; c < 3; ++c) irradiance.data[i * 3 + c] += lobes.data[i * 4 + c];
     return irradiance;
+  }
+  if (name == "specular") {
+    if (!features.glossySurfaces) throw badInput("image 'specular': the scene has no glossy surfaces");
+    return withoutAlpha(indirectSpecular());
   }
   if (name == "direct") return withoutAlpha(device.download(directImage));
   if (name == "albedo") return withoutAlpha(device.download(gbuffer.albedo));
@@ -121,7 +163,7 @@ Image Session::Impl::linearImage(const std::string& name) {
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "direct", "albedo", "normal", "position", "emission", "motion"};
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "specular", "direct", "albedo", "normal", "position", "emission", "motion"};
   known.insert(known.end(), std::begin(kReferenceImages), std::end(kReferenceImages));
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;
@@ -142,6 +184,7 @@ void Session::Impl::publishImages(FrameResult& r) {
   const std::vector<std::string> known = imageNames();
   for (const std::string& name : imagesWanted) {
     if (std::find(known.begin(), known.end(), name) == known.end()) continue;  // a debug view of a technique that is gone
+    if (name.ends_with("specular") && !features.glossySurfaces) continue;  // of a scene before
     if (name.rfind("reference", 0) != 0) {
       r.images[name] = std::make_shared<const Image>(linearImage(name));
       continue;
@@ -149,10 +192,11 @@ void Session::Impl::publishImages(FrameResult& r) {
     const bool limited = name.rfind("reference_matched", 0) == 0;
     const ReferenceRun* run = limited ? matchedRun() : full.result ? &full : nullptr;
     if (!run) continue;
-    const int bounces = limited ? technique->transport().bounces : fullBounces();
+    const int bounces = bouncesOf(limited);
+    const bool lobes = features.glossySurfaces && (!limited || technique->transport().glossyLastBounce);
     const auto old = keptImages.find(name);
-    const bool same = old != keptImages.end() && old->second.result == run->result && old->second.bounces == bounces;
-    kept[name] = same ? old->second : KeptImage{run->result, bounces, std::make_shared<const ReferenceImage>(referenceImage(name))};
+    const bool same = old != keptImages.end() && old->second.result == run->result && old->second.bounces == bounces && old->second.lobes == lobes;
+    kept[name] = same ? old->second : KeptImage{run->result, bounces, lobes, std::make_shared<const ReferenceImage>(referenceImage(name))};
     const std::shared_ptr<const ReferenceImage> image = kept[name].image;
     r.references[name] = image;
     r.images[name] = std::shared_ptr<const Image>(image, &image->mean);
@@ -189,8 +233,9 @@ bool Session::Impl::showHostView(FrameResult& result) {
   if (technique->needs().probes && isProbeView(id)) return showProbeView(result);
   const bool error = id.rfind("error", 0) == 0, truth = id.rfind("reference", 0) == 0;
   if (!error && !truth) return false;
-  if (!full.result) {
-    if (result.message.empty()) result.message = "the reference has no picture yet";
+  const bool noLobes = id.ends_with("_specular") && !features.glossySurfaces;
+  if (!full.result || noLobes) {
+    if (result.message.empty()) result.message = noLobes ? "the scene has no glossy surfaces" : "the reference has no picture yet";
     return false;
   }
   if (truth)

@@ -152,7 +152,7 @@ void Session::Impl::prepare(Progress& p) {
     measuredSettled = false;
     const Transport t = technique->transport();
     // Not its bounces: a run keeps them apart.
-    const std::string key = fmt::format("{} {}", t.frontFacesOnly, static_cast<int>(t.receiver));
+    const std::string key = fmt::format("{} {} {}", t.frontFacesOnly, static_cast<int>(t.receiver), t.glossyLastBounce);
     if (key != transportKey) matched.drop(), transportKey = key;
   }
 }
@@ -217,6 +217,7 @@ ReferenceSettings Session::Impl::referenceSettings(bool matchedPaths) const {
     const Transport t = technique->transport();
     r.frontFacesOnly = t.frontFacesOnly;
     r.receiver = t.receiver;
+    r.glossyLastBounce = t.glossyLastBounce;
   }
   return r;
 }
@@ -224,8 +225,9 @@ ReferenceSettings Session::Impl::referenceSettings(bool matchedPaths) const {
 std::vector<Receiver> Session::Impl::receivers() {
   std::vector<uint32_t> ids(static_cast<size_t>(gbuffer.width) * static_cast<size_t>(gbuffer.height) * 2);
   device.download(gbuffer.ids, ids.data(), ids.size() * sizeof(uint32_t));
+  const vec3 eye = camera().position;
   return receiversFromGBuffer(device.download(gbuffer.position), device.download(gbuffer.normal), device.download(gbuffer.geometricNormal), ids,
-                              scene.get());
+                              scene.get(), &eye);
 }
 
 void Session::Impl::startReferences() {

@@ -34,7 +34,7 @@ struct SessionOptions {
 struct ErrorValue {
   std::string reference;  ///< "matched" or "full"
   std::string target;     ///< "image" or "lightmap"
-  std::string component;  ///< "indirect" or "final"
+  std::string component;  ///< "indirect" (irradiance), "specular" (radiance by lobes, over the pixels that show a glossy surface) or "final"
   std::string metric;
   double value = 0, noiseFloor = 0, standardError = 0;
   uint64_t nonFinite = 0;
@@ -211,8 +211,9 @@ class Session {
   Image image(const std::string& view);
   /// Against the reference as far as it has come (empty without one).
   std::vector<ErrorValue> measureErrors(const std::vector<std::string>& metrics, const std::string& target = "image");
-  /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame.
-  std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics);
+  /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame. `specular`: indirect specular radiance; without it pictures of
+  /// glossy surfaces have an error of the irradiance alone.
+  std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics, const Image* specular = nullptr);
   /// The reference's path tracer as a competitor, at the pixels of the last frame, along the paths that the technique models. Not longer than the session.
   std::unique_ptr<ProgressiveTracer> progressiveTracer(uint64_t seed);
   /// Pixels that see a surface: what errors are means over.

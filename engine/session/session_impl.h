@@ -31,18 +31,24 @@ struct ReferenceRun {
   void drop();
 };
 
+/// What an error is of: indirect irradiance, indirect specular radiance, the picture.
+enum class Component { Indirect, Specular, Final };
+inline constexpr const char* kComponentNames[] = {"indirect", "specular", "final"};
+
 /// What the host needs of the G-buffer to see a picture as the composite pass does. Images have 4 channels.
 struct SurfaceImages {
   Image position, geometricNormal, albedo, emission;
+  Image specular;  ///< GBuffer::specular; without pixels where the scene has no glossy surfaces
   vec3 sky{0.0f};
   std::vector<vec3> map;  ///< radiance of the environment map by pixel; empty without one
 
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
-  /// Adds emission and multiplies irradiance by albedo / pi; where no surface is seen, the sky. 3 channels.
-  Image composite(const Image& direct, const Image& indirect) const;
-  /// For a reference of irradiance at these pixels, or for its composite.
-  std::shared_ptr<const ReferenceSurfaces> ofReference(bool composite) const;
-  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect) const;
+  /// Emission, irradiance times albedo / pi, and indirect specular radiance (without pixels: none); where no surface is seen, the sky. 3 channels.
+  Image composite(const Image& direct, const Image& indirect, const Image& lobes) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& lobes) const;
+  /// For a reference of such light at these pixels.
+  std::shared_ptr<const ReferenceSurfaces> ofReference(Component) const;
+  Mask glossy() const;  ///< pixels whose surface has a lobe
 };
 
 /// Pixels that see a surface, from the G-buffer's positions.
@@ -139,7 +145,7 @@ struct Session::Impl {
   double referenceMs = 0, referenceStart = 0;
 
   GBuffer gbuffer;
-  GpuImage directImage, indirectImage, finalImage, displayImage;
+  GpuImage directImage, indirectImage, specularImage, finalImage, displayImage;
   Buffer displayCounters;
   uint32_t nonFinite = 0, negative = 0;
   std::vector<std::string> imagesWanted;
@@ -147,6 +153,7 @@ struct Session::Impl {
   struct KeptImage {
     std::shared_ptr<const ReferenceResult> result;
     int bounces = 0;
+    bool lobes = false;  ///< glossy last bounces are among them
     std::shared_ptr<const ReferenceImage> image;
   };
   std::map<std::string, KeptImage> keptImages;
@@ -224,6 +231,10 @@ struct Session::Impl {
   SurfaceImages surfaceImages();
   Mask surfaceMask();          ///< without the rest of surfaceImages()
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
+  Image indirectSpecular();    ///< likewise; without pixels where the scene has no glossy surfaces
+  int bouncesOf(bool matchedPaths) const { return matchedPaths ? technique->transport().bounces : fullBounces(); }
+  /// Of a run, by the number of bounces and by whether lobes are among the paths.
+  ReferenceImage lobesOf(const ReferenceRun&, bool matchedPaths) const;
   bool showHostView(FrameResult&);
   // probe_views.cpp
   void pickProbe();

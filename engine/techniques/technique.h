@@ -59,9 +59,13 @@ struct FrameInputs {
   bool cameraMoved = false, lightsChanged = false, geometryMoved = false;  ///< since the frame before
 };
 
-/// Indirect irradiance [W/m^2], RGBA32F at G-buffer pixels.
+/// Both RGBA32F at G-buffer pixels.
 struct IndirectLight {
-  GpuImage irradiance;
+  GpuImage irradiance;  ///< indirect irradiance [W/m^2]
+  /// Indirect radiance that the glossy lobe reflects towards the camera [W/(sr m^2)]: lobe (shaders/shared/ggx.h with GBuffer::specular), Fresnel term and cosine included; 0 where the
+  /// surface is not glossy. Of the same light as the irradiance: what surfaces reflect; emission and sky seen in the lobe are direct light. Empty where the scene has no glossy
+  /// surfaces, or the technique does not model them (Transport::glossyLastBounce).
+  GpuImage specular = {};
 };
 
 struct MemoryItem {

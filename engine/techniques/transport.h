@@ -10,6 +10,7 @@ struct Transport {
   int bounces = 16;                  ///< indirect bounces; kAllBounces for all
   bool frontFacesOnly = false;       ///< back faces neither receive nor reflect, two-sided or not
   ReceiverNormal receiver = ReceiverNormal::Mapped;
+  bool glossyLastBounce = false;     ///< the surface that the camera sees also reflects by its glossy lobe (IndirectLight::specular); all bounces before are diffuse
   bool operator==(const Transport&) const = default;
 };
 inline constexpr int kAllBounces = 1 << 20;

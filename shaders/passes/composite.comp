@@ -1,17 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Radiance towards the camera from irradiance at the surfaces it sees.
+// Radiance towards the camera from irradiance at the surfaces it sees, and from what their lobes reflect.
 #include "shaders/shared/interop.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool kDirect = true;  ///< with direct light come emission and sky; without, the image is indirect light alone
 layout(constant_id = 1) const bool kIndirect = true;
+layout(constant_id = 2) const bool kSpecular = false;
 
 uniform sampler2D position;
 uniform sampler2D albedo;
 uniform sampler2D emission;
 uniform sampler2D direct;
 uniform sampler2D indirect;
+uniform sampler2D specular;
 layout(rgba32f) writeonly uniform image2D radiance;
 layout(push_constant, scalar) uniform Constants { vec3 sky; };
 
@@ -27,6 +29,7 @@ void main() {
     if (kDirect) irradiance += texelFetch(direct, p, 0).rgb;
     if (kIndirect) irradiance += texelFetch(indirect, p, 0).rgb;
     sum += irradiance * texelFetch(albedo, p, 0).rgb * kInversePi;
+    if (kSpecular) sum += texelFetch(specular, p, 0).rgb;
   }
   imageStore(radiance, p, vec4(sum, 1.0));
 }

@@ -29,6 +29,14 @@ HL_INLINE vec3 fromLocal(vec3 local, vec3 n) {
   return t * local.x + b * local.y + n * local.z;
 }
 
+/// From the world's frame to the one in which `n` is +z: the inverse of fromLocal.
+HL_INLINE vec3 toLocal(vec3 world, vec3 n) {
+  vec3 t = vec3(0.0f);
+  vec3 b = vec3(0.0f);
+  orthonormalBasis(n, t, b);
+  return vec3(dot(world, t), dot(world, b), dot(world, n));
+}
+
 /// Uniform in the unit disc; neighbours stay neighbours. Shirley and Chiu, "A Low Distortion Map Between Disk and Square", 1997.
 HL_INLINE vec2 sampleDisc(vec2 u) {
   float x = 2.0f * u.x - 1.0f;

@@ -16,6 +16,8 @@ struct GpuMaterial {
   uint normalTexture;
   vec2 albedoUvScale;  ///< the part of its layer that the texture fills (layers share one size)
   vec2 normalUvScale;
+  vec3 specular;       ///< reflectance at normal incidence; 0: the surface is diffuse
+  float roughness;     ///< perceptual, of the lobe in ggx.h
 };
 
 /// Where an object is. Its rest pose is the geometry as the scene's file has it; what moves keeps its triangles, and vertices are those of the rest pose

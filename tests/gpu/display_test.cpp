@@ -54,13 +54,15 @@ TEST_F(DisplayTest, CompositeAddsUp) {
   const GpuImage alone = recordComposite(*graph, g, GpuImage(), i, sky);
   EXPECT_EQ(both.state(), one.state()) << "a transient of one name";
   graph->drop();
-  const auto run = [&](const GpuImage& a, const GpuImage& b) {
-    const GpuImage out = recordComposite(*graph, g, a, b, sky);
+  const auto lobes = wave(3, 2);
+  const GpuImage l = image("lobes", lobes);
+  const auto run = [&](const GpuImage& a, const GpuImage& b, const GpuImage& s = {}) {
+    const GpuImage out = recordComposite(*graph, g, a, b, sky, s);
     graph->execute();
     return device->download(out).data;
   };
   const auto all = run(e, i), directOnly = run(e, GpuImage()), indirectOnly = run(GpuImage(), i),
-             none = run(GpuImage(), GpuImage());
+             none = run(GpuImage(), GpuImage()), withLobes = run(e, i, l), lobesOnly = run(GpuImage(), GpuImage(), l);
   for (size_t p = 0; p < place.size() / 4; ++p) {
     const bool surface = place[4 * p + 3] != 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -70,6 +72,8 @@ TEST_F(DisplayTest, CompositeAddsUp) {
       ASSERT_NEAR(directOnly[k], rest + direct[k] * f, 1e-5f);
       ASSERT_NEAR(indirectOnly[k], indirect[k] * f, 1e-5f);
       ASSERT_EQ(none[k], 0);
+      ASSERT_NEAR(withLobes[k], rest + (direct[k] + indirect[k]) * f + (surface ? lobes[k] : 0), 1e-5f);
+      ASSERT_EQ(lobesOnly[k], surface ? lobes[k] : 0);
     }
   }
 }

@@ -217,6 +217,39 @@ TEST_F(GBufferTest, HasNoHolesBetweenTriangles) {
   }
 }
 
+TEST_F(GBufferTest, GlossySurfacesHaveTheirLobe) {
+  Scene scene;
+  const uint32_t lobe = test::addMaterial(scene), both = test::addMaterial(scene), grey = test::addMaterial(scene);
+  scene.materials[lobe].specular = vec3(0.1f, 0.2f, 0.3f), scene.materials[lobe].roughness = 0.25f;
+  scene.materials[both].specular = vec3(0.5f), scene.materials[both].twoSided = true;
+  test::addQuad(scene, vec3(-3, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), lobe);
+  test::addQuad(scene, vec3(-1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), both);
+  test::addQuad(scene, vec3(1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0), grey);
+  const auto at = [&](int x, int y) {
+    const Image image = device->download(g.specular);
+    const float* p = image.pixel(x, y);
+    return vec4(p[0], p[1], p[2], p[3]);
+  };
+  const int left = kWidth / 6, middle = kWidth / 2, right = kWidth * 5 / 6, row = kHeight / 2;
+  render(scene, lookingAt(vec3(0, 0, 4), vec3(0), 0.9f));
+  ASSERT_TRUE(g.specular);
+  EXPECT_EQ(at(left, row), vec4(0.1f, 0.2f, 0.3f, 0.25f));
+  EXPECT_EQ(at(middle, row), vec4(0.5f, 0.5f, 0.5f, kDefaultRoughness));
+  EXPECT_EQ(vec3(at(right, row)), vec3(0));
+  EXPECT_EQ(at(0, 0), vec4(0)) << "no surface";
+  render(scene, lookingAt(vec3(0, 0, -4), vec3(0), 0.9f));
+  EXPECT_EQ(at(right, row), vec4(0)) << "the back of a one-sided surface";
+  EXPECT_EQ(vec3(at(middle, row)), vec3(0.5f));
+
+  for (Material& m : scene.materials) m.specular = vec3(0.0f);
+  render(scene, lookingAt(vec3(0, 0, 4), vec3(0), 0.9f));
+  EXPECT_FALSE(g.specular);
+  for (const PassTiming& p : timings.passes)
+    if (p.name == "gbuffer: specular") {
+      EXPECT_EQ(p.skipped, "scene has no glossy surfaces");
+    }
+}
+
 TEST_F(GBufferTest, KnowsFrontsFromBacks) {
   Scene scene;
   const uint32_t lamp = test::addMaterial(scene, vec3(5, 100000, 7)), both = test::addMaterial(scene),

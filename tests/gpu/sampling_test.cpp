@@ -1,5 +1,5 @@
-// shaders/shared/sampling.h is one source for two languages: both must make the same of it.
-#include "shaders/shared/sampling.h"
+// shaders/shared/sampling.h and ggx.h are one source for two languages: both must make the same of it.
+#include "shaders/shared/ggx.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +20,9 @@ struct Sampled {
   vec3 lightDirection;
   float lightDistance, lightPdf, solidAngle, formFactor, weight, falloff;
   vec2 r2, sobol, shuffled;
+  vec3 lobeLight, lobeWeight, lobe;
+  float lobePdf;
+  vec2 lobeAlbedo;
 };
 
 class SamplingOnTheDevice : public test::GpuTest {};
@@ -66,6 +69,23 @@ TEST_F(SamplingOnTheDevice, AgreesWithTheHost) {
     ASSERT_EQ(s.shuffled, shared::shuffledSobolPoint(n.index, n.seed)) << i;
     ASSERT_NEAR(s.weight, shared::powerHeuristic(n.u.x, n.u.y) - 2 * shared::balanceHeuristic(n.u.x, n.u.y), 1e-5f) << i;
     ASSERT_NEAR(s.falloff, shared::spotFalloff(n.u.x, 0.9f, 0.2f), 1e-5f) << i;
+    const float roughness = static_cast<float>(n.index & 7u) / 7;
+    const vec3 view(n.normal.x, n.normal.y, std::abs(n.normal.z)), f0(0.04f, 0.5f, 1);
+    // In the narrowest peak, and along the horizon, the last bits of a direction decide.
+    if (view.z > 0.05f) {
+      const shared::GgxSample g = shared::sampleGgx(view, f0, roughness, n.u);
+      const vec3 light = shared::toLocal(s.world, n.normal), lobe = shared::ggxBrdf(view, light, f0, roughness);
+      const float pdf = shared::ggxPdf(view, light, roughness);
+      ASSERT_LT(glm::length(s.lobeLight - g.light), 1e-3f) << i;
+      if (g.light.z > 0.01f) {
+        ASSERT_LT(glm::length(s.lobeWeight - g.weight), 5e-3f) << i;
+      }
+      if (light.z > 0.01f) {
+        ASSERT_LT(glm::length(s.lobe - lobe), 1e-2f * glm::length(lobe) + 1e-5f) << i;
+        ASSERT_NEAR(s.lobePdf, pdf, 1e-2f * pdf + 1e-5f) << i;
+      }
+      ASSERT_LT(glm::length(s.lobeAlbedo - shared::ggxScaleAndBias(view.z, roughness, 16)), 2e-2f) << i;
+    }
     // What a triangle seen edge-on gives depends on the last bits of its corners.
     const vec3 across = glm::cross(n.p1 - n.p0, n.p2 - n.p0);
     if (std::abs(glm::dot(across, n.p0)) < 0.05f * glm::length(across) * glm::length(n.p0)) continue;

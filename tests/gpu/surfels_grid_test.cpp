@@ -131,12 +131,12 @@ TEST_F(SurfelsGrid, ShuffledListsAreSortedHoweverWorkIsShared) {
   params.cell_limit = 2048;
   std::vector<uint32_t> expected = entries;
   for (uint32_t l = 0; l + 1 < lists; ++l) std::sort(expected.begin() + offsets[l], expected.begin() + offsets[l + 1]);
-  for (const SurfelSorting& how : {kSortingOnCpu, kSortingOnGpu, SurfelSorting{1, 0}}) {
+  for (const SurfelSorting& how : {kSortingOnCpu, kSortingOnGpu, SurfelSorting{1, 0, 0}, SurfelSorting{16, 4, 512}}) {
     const Buffer offset = device->buffer("offsets", std::span<const uint32_t>(offsets)), entry = device->buffer("entries", std::span<const uint32_t>(entries));
     const Buffer totals = device->buffer("totals", sizeof(shared::SurfelTotals));
     graph->clear("clear totals", totals);
     graph->compute("sort", "surfels/sort_cells.comp").bind("cellOffsets", offset, Access::Read).bind("cellEntries", entry, Access::ReadWrite).bind("totals", totals, Access::ReadWrite)
-        .uniform("frame", frame).uniform("surfels", params).specialize("kListsOfGroup", how.listsOfGroup).specialize("kAlone", how.alone).dispatch((lists + how.listsOfGroup - 1) / how.listsOfGroup);
+        .uniform("frame", frame).uniform("surfels", params).specialize("kListsOfGroup", how.listsOfGroup).specialize("kAlone", how.alone).specialize("kRanked", how.ranked).dispatch((lists + how.listsOfGroup - 1) / how.listsOfGroup);
     graph->execute();
     const std::vector<uint32_t> sorted = download<uint32_t>(entry);
     for (uint32_t l = 0; l < lists; ++l)

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The shared sampling functions at given numbers, for comparison with what C++ makes of the same source.
-#include "shaders/shared/sampling.h"
+#include "shaders/shared/ggx.h"
 layout(local_size_x = 64) in;
 
 struct Numbers {
@@ -29,6 +29,11 @@ struct Sampled {
   vec2 r2;
   vec2 sobol;
   vec2 shuffled;
+  vec3 lobeLight;
+  vec3 lobeWeight;
+  vec3 lobe;
+  float lobePdf;
+  vec2 lobeAlbedo;
 };
 layout(scalar) readonly buffer numbers_block { Numbers numbers[]; };
 layout(scalar) writeonly buffer sampled_block { Sampled sampled[]; };
@@ -54,5 +59,13 @@ void main() {
   s.r2 = r2Point(n.index, uvec2(n.seed, n.seed ^ 0x5bd1e995u));
   s.sobol = sobolPoint(n.index, uvec2(n.seed, n.seed ^ 0x5bd1e995u));
   s.shuffled = shuffledSobolPoint(n.index, n.seed);
+  const float roughness = float(n.index & 7u) / 7.0;
+  const vec3 view = vec3(n.normal.xy, abs(n.normal.z));
+  const GgxSample g = sampleGgx(view, vec3(0.04, 0.5, 1.0), roughness, n.u);
+  s.lobeLight = g.light;
+  s.lobeWeight = g.weight;
+  s.lobe = ggxBrdf(view, toLocal(s.world, n.normal), vec3(0.04, 0.5, 1.0), roughness);
+  s.lobePdf = ggxPdf(view, toLocal(s.world, n.normal), roughness);
+  s.lobeAlbedo = ggxScaleAndBias(view.z, roughness, 16u);
   sampled[i] = s;
 }

@@ -102,7 +102,7 @@ TEST_F(BundleTest, WhatIsWrongIsSaid) {
 TEST_F(BundleTest, ReferencesGoToTheCacheAndNothingGoesElsewhere) {
   std::filesystem::create_directories(file.parent_path());
   const std::filesystem::path reference = folder / "cache/references/0123456789abcdef0123456789abcdef_4.reference";
-  ReferenceState state(3, 2);
+  ReferenceState state({3, 2});
   state.now = state.next = {4, 1};
   storeReference("0123456789abcdef0123456789abcdef", state);
   const std::string holds = readFile(reference);

@@ -78,6 +78,8 @@ void cellList(uint cell, out uint first, out uint end) {
   end = min(end, first + uint(surfels.cell_limit));
 }
 
+const uint kAhead = 4u;  ///< entries of a list that are read at once
+
 struct Gathered {
   vec3 irradiance;      ///< weighted mean; 0 where nothing is near
   float weight;         ///< of surfels that know their light
@@ -119,21 +121,29 @@ void fillGap(vec3 p, vec3 n, uint first, uint end, inout Gathered g) {
   if (g.weight > 0.0) g.irradiance /= g.weight;
 }
 
-/// In the order of the list, which is that of numbers: the same sum in every run, and from every list that has all that reach the point.
+/// In the order of the list, which is that of numbers: the same sum in every run, and from every list that has all that reach the point. Reads go a few entries
+/// ahead, so that on a GPU a long list does not wait for memory once an entry.
 Gathered gatherFrom(vec3 p, vec3 n, bool atHit, uint first, uint end) {
   Gathered g = Gathered(vec3(0.0), 0.0, 0.0, kNoSurfel, 0.0);
-  for (uint e = first; e < end; ++e) {
-    const uint id = cellEntries[e];
-    const vec4 place = texelFetch(records, int(kRecordTexels * id));
-    const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));
-    const float weight = surfelWeight(p, n, atHit, id, place, normal.xyz);
-    if (weight <= 0.0) continue;
-    g.coverage += weight;
-    if (weight > g.nearestWeight) g.nearest = id, g.nearestWeight = weight;
-    const float known = weight * normal.w;
-    if (known <= 0.0) continue;
-    g.weight += known;
-    g.irradiance += known * texelFetch(records, int(kRecordTexels * id + 2u)).xyz;
+  for (uint e = first; e < end; e += kAhead) {
+    uint ids[kAhead];
+    vec4 places[kAhead], normals[kAhead];
+    for (uint k = 0u; k < kAhead; ++k) ids[k] = cellEntries[min(e + k, end - 1u)];
+    for (uint k = 0u; k < kAhead; ++k) {
+      places[k] = texelFetch(records, int(kRecordTexels * ids[k]));
+      normals[k] = texelFetch(records, int(kRecordTexels * ids[k] + 1u));
+    }
+    for (uint k = 0u; k < kAhead; ++k) {
+      if (e + k >= end) break;
+      const float weight = surfelWeight(p, n, atHit, ids[k], places[k], normals[k].xyz);
+      if (weight <= 0.0) continue;
+      g.coverage += weight;
+      if (weight > g.nearestWeight) g.nearest = ids[k], g.nearestWeight = weight;
+      const float known = weight * normals[k].w;
+      if (known <= 0.0) continue;
+      g.weight += known;
+      g.irradiance += known * texelFetch(records, int(kRecordTexels * ids[k] + 2u)).xyz;
+    }
   }
   if (g.weight > 0.0) g.irradiance /= g.weight;
   return g;

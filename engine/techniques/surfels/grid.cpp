@@ -137,6 +137,7 @@ void SurfelGrid::record(FrameGraph& graph, const PrefixSum& prefix, const shared
       .bind("totals", totals, Access::ReadWrite)
       .specialize("kListsOfGroup", sorting_.listsOfGroup)
       .specialize("kAlone", sorting_.alone)
+      .specialize("kRanked", sorting_.ranked)
       .uniform("frame", frame)
       .uniform("surfels", params)
       .dispatch((frame.lists + sorting_.listsOfGroup - 1) / sorting_.listsOfGroup);

@@ -36,12 +36,13 @@ GridPlan planGrid(const Bounds&, float edge);
 struct SurfelSorting {
   uint32_t listsOfGroup;  ///< lists a work group, at most 128
   uint32_t alone;         ///< entries up to which one invocation sorts a list
+  uint32_t ranked;        ///< beyond `alone`: entries up to which each finds its own place
 };
 /// Full cells lie together, so a group gets few; most are empty, so not one.
-inline constexpr SurfelSorting kSortingOnGpu{16, 8};
+inline constexpr SurfelSorting kSortingOnGpu{8, 0, 512};
 /// Invocations run a few at a time and nearly in their order, which leaves lists nearly sorted; barriers cost much. lavapipe ends an invocation's loops after 65535 rounds in
 /// all, with what has been done by then: a list of this length takes less in any order.
-inline constexpr SurfelSorting kSortingOnCpu{128, 512};
+inline constexpr SurfelSorting kSortingOnCpu{128, 512, 0};
 
 class SurfelGrid {
  public:

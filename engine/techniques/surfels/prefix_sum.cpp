@@ -6,7 +6,7 @@ namespace hl {
 
 PrefixSum::PrefixSum(Device& device, uint32_t most) : most_(most) {
   if (most > kMost) throw Error(ErrorKind::TooLarge, "prefix sum: " + std::to_string(most) + " values, at most " + std::to_string(kMost) + " are summed at once");
-  totals_ = device.buffer("surfels: chunk totals", ((most + kChunk - 1) / kChunk + 1) * sizeof(uint32_t));
+  totals_ = device.buffer("surfels: chunk totals", ((most + kChunk - 1) / kChunk) * sizeof(uint32_t));
 }
 
 void PrefixSum::record(FrameGraph& graph, const std::string& name, const Buffer& values, const Buffer& sums, uint32_t count) const {
@@ -19,12 +19,12 @@ void PrefixSum::record(FrameGraph& graph, const std::string& name, const Buffer&
       .bind("totals", totals_, Access::Write)
       .push(count)
       .dispatch(chunks);
-  graph.compute(name + ": totals", "surfels/prefix_totals.comp").bind("totals", totals_, Access::ReadWrite).push(chunks).dispatch(1);
+  // Every group adds up the chunks before its own: dearer than sums of the totals would be, and a pass fewer.
   graph.compute(name + ": offsets", "surfels/prefix_offsets.comp")
       .bind("totals", totals_, Access::Read)
       .bind("sums", sums, Access::ReadWrite)
       .push(count)
-      .dispatchThreads(count + 1);
+      .dispatch(chunks);
 }
 
 }  // namespace hl

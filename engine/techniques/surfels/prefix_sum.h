@@ -15,7 +15,7 @@ class PrefixSum {
   static constexpr uint32_t kChunk = 1024;        ///< values a work group
   static constexpr uint32_t kMost = 1u << 24;
 
-  /// sums[i] = values[0] + ... + values[i - 1] for i in [0, count]: `sums` holds count + 1. Passes "<name>: chunks", "<name>: totals", "<name>: offsets".
+  /// sums[i] = values[0] + ... + values[i - 1] for i in [0, count]: `sums` holds count + 1. Passes "<name>: chunks", "<name>: offsets".
   void record(FrameGraph&, const std::string& name, const Buffer& values, const Buffer& sums, uint32_t count) const;
   uint64_t bytes() const { return totals_.size(); }
 

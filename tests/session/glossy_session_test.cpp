@@ -1,0 +1,111 @@
+// Glossy surfaces through the session: the reference's third image, its share of the picture, its errors; and a scene without them.
+#include <algorithm>
+#include <set>
+
+#include "tests/session_fixture.h"
+
+namespace hl {
+namespace {
+
+using test::smallPreset;
+
+class GlossySession : public test::SessionTest {
+ protected:
+  static std::set<std::string> componentsOf(const std::vector<ErrorValue>& errors, const std::string& reference) {
+    std::set<std::string> out;
+    for (const ErrorValue& e : errors)
+      if (e.reference == reference) out.insert(e.component);
+    return out;
+  }
+};
+
+TEST_F(GlossySession, TheReferenceHasTheLobesLight) {
+  auto session = makeSession();
+  session->load(smallPreset("glossy_box", "none"));
+  session->setImagesWanted({"specular", "reference_specular", "reference_matched_specular"});
+  session->setReferenceWanted(true);
+  const auto frame = session->settle();
+  EXPECT_TRUE(frame->features.glossySurfaces);
+  const Image lobes = session->image("reference_specular"), matched = session->image("reference_matched_specular");
+  EXPECT_EQ(frame->images.at("reference_specular")->data, lobes.data);
+  const auto result = session->currentReference();
+  ASSERT_TRUE(result && result->glossy());
+  EXPECT_EQ(result->nonFinite, 0u);
+  // The picture is what falls on the surfaces, and what their lobes send.
+  const Image whole = session->image("reference"), direct = session->image("reference_direct"), indirect = session->image("reference_indirect");
+  const Image albedo = session->image("albedo"), emission = session->image("emission");
+  size_t glossy = 0, diffuse = 0;
+  for (size_t p = 0; p < whole.pixels(); ++p) {
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t i = 3 * p + c;
+      const float truth = emission.data[i] + (direct.data[i] + indirect.data[i]) * albedo.data[i] / kPi + lobes.data[i];
+      ASSERT_NEAR(whole.data[i], truth, 1e-5f * truth);
+      EXPECT_EQ(matched.data[i], 0) << "none models no lobes";
+    }
+    (lobes.data[3 * p] > 0 ? glossy : diffuse)++;
+  }
+  EXPECT_GT(glossy, whole.pixels() / 10);
+  EXPECT_GT(diffuse, whole.pixels() / 10);
+  // Errors: all three against the full reference; no specular one where nothing is modelled.
+  const auto errors = session->measureErrors({"relmse", "ssim", "bias"});
+  EXPECT_EQ(componentsOf(errors, "full"), (std::set<std::string>{"indirect", "specular", "final"}));
+  EXPECT_EQ(componentsOf(errors, "matched"), (std::set<std::string>{"indirect", "final"}));
+  std::set<std::string> regions;
+  for (const ErrorValue& e : errors)
+    if (e.component == "specular") {
+      EXPECT_TRUE(std::isfinite(e.value)) << e.metric;
+      regions.insert(e.roi);
+      // All of it is missing.
+      if (e.metric == "bias") {
+        EXPECT_LT(e.value, 0);
+      }
+    }
+  EXPECT_EQ(regions, (std::set<std::string>{"", "floor", "block"}));
+  // An image that has no lobes is no picture of this scene.
+  EXPECT_EQ(componentsOf(session->measureErrorsOf(session->image("indirect_irradiance"), {"relmse"}), "full"), (std::set<std::string>{"indirect"}));
+  // The truth itself has no error but the noise's.
+  const Image truth = session->image("reference_specular");
+  for (const ErrorValue& e : session->measureErrorsOf(session->image("reference_indirect"), {"mse"}, &truth))
+    if (e.reference == "full" && e.roi.empty()) {
+      EXPECT_LT(std::abs(e.value), 2 * e.noiseFloor + 1e-12) << e.component;
+    }
+  for (const char* view : {"specular", "reference_specular", "indirect"}) {
+    Display display;
+    display.view = view;
+    session->setDisplay(display);
+    EXPECT_EQ(session->frame()->view, view);
+  }
+  expectNoMessages(*session);
+}
+
+TEST_F(GlossySession, WithoutGlossySurfacesThereIsNothingOfIt) {
+  auto session = makeSession();
+  session->load(smallPreset("cornell_box", "none"));
+  session->setReferenceWanted(true);
+  session->setImagesWanted({"specular", "reference_specular"});
+  const auto frame = session->settle();
+  EXPECT_FALSE(frame->features.glossySurfaces);
+  EXPECT_TRUE(frame->images.empty());
+  EXPECT_FALSE(session->currentReference()->glossy());
+  for (const PassTiming& p : frame->lastPasses)
+    if (p.name == "gbuffer: specular") {
+      EXPECT_EQ(p.skipped, "scene has no glossy surfaces");
+    }
+  for (const char* name : {"specular", "reference_specular", "reference_matched_specular"}) {
+    try {
+      session->image(name);
+      ADD_FAILURE() << name;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("no glossy surfaces"), std::string::npos) << e.what();
+    }
+  }
+  for (const ErrorValue& e : session->measureErrors({"relmse"})) EXPECT_NE(e.component, "specular");
+  Display display;
+  display.view = "reference_specular";
+  session->setDisplay(display);
+  EXPECT_NE(session->frame()->message.find("no glossy surfaces"), std::string::npos);
+  expectNoMessages(*session);
+}
+
+}  // namespace
+}  // namespace hl
