@@ -38,7 +38,7 @@ TEST(HemisphereBasis, IsOrthonormalForItsWeightAndFewerDegreesAreItsBeginning) {
 
 class RadianceReceivers : public SessionTest {
  protected:
-  /// A closed room of 2 m whose floor and right wall are glossy; `white`, `left`: the other materials.
+  /// A closed room of 2 m whose floor is glossy; `white`, `left`: the other materials. Without lights the floor shines as the test's walls do.
   std::string room(const std::string& white, const std::string& left, const std::string& lights, double albedo, double f0, double roughness) {
     return folder.write("glossy.json", R"({"version": 1, "lightmap_uvs": true,
       "shapes": [{"type": "box", "name": "room", "min": [-1, 0, -1], "max": [1, 2, 1], "facing": "inward", "material": "white", "face_materials": {"-x": "left", "-y": "glossy"}}],
@@ -49,6 +49,8 @@ class RadianceReceivers : public SessionTest {
   Preset preset(const std::string& scene, int order) {
     Preset p = smallPreset(scene, "srp");
     p.parameters["lightmap.resolution"] = "32";
+    p.parameters["srp.sh_order"] = "3";
+    p.parameters["srp.k"] = "4";
     p.parameters["srp.receivers"] = "radiance";
     p.parameters["srp.glossy_order"] = std::to_string(order);
     p.parameters["srp.compression"] = "none";
@@ -60,8 +62,19 @@ class RadianceReceivers : public SessionTest {
     ADD_FAILURE() << "no " << metric << " of what is reflected";
     return NAN;
   }
+  /// Norm of the difference from the matched reference, over the reference's.
+  static double norm(Session& session) {
+    const Image a = session.image("specular"), b = session.image("reference_matched_specular");
+    double difference = 0, all = 0;
+    for (size_t i = 0; i < b.data.size(); ++i) {
+      const auto v = static_cast<double>(a.data[i]), r = static_cast<double>(b.data[i]);
+      difference += (v - r) * (v - r), all += r * r;
+    }
+    return std::sqrt(difference / all);
+  }
   static double counter(Session& session, const std::string& name) {
-    for (const auto& [key, value] : session.frame().counters)
+    const auto result = session.frame();
+    for (const auto& [key, value] : result->counters)
       if (key == name) return value;
     ADD_FAILURE() << "no counter " << name;
     return -1;
@@ -76,13 +89,12 @@ TEST_F(RadianceReceivers, ConstantRadianceGivesTheDirectionalAlbedo) {
     for (const bool compressed : {false, true}) {
       auto session = makeSession();
       Preset p = preset(scene, 4);
-      p.parameters["srp.receiver_rays"] = "1024";
-      if (compressed) p.parameters["srp.compression"] = "cpca", p.parameters["srp.pca_vectors"] = "8";
+      if (compressed) p.parameters["srp.compression"] = "cpca", p.parameters["srp.pca_vectors"] = "24";
       session->load(p);
       session->settle();
       expectNoMessages(*session);
       const Image seen = session->image("specular"), position = session->image("position");
-      const Camera camera = session->camera();
+      const Camera camera = session->frame()->camera;
       double worst = 0, mean = 0, count = 0;
       for (int y = 0; y < seen.height; y += 3)
         for (int x = 0; x < seen.width; x += 3) {
@@ -97,39 +109,38 @@ TEST_F(RadianceReceivers, ConstantRadianceGivesTheDirectionalAlbedo) {
           worst = std::max(worst, std::abs(off)), mean += off, ++count;
         }
       ASSERT_GT(count, 50);
-      std::printf("roughness %.1f, %s: mean %+.4f, worst %.4f of the directional albedo\n", roughness, compressed ? "8 vectors" : "uncompressed", mean / count, worst);
-      EXPECT_LT(std::abs(mean / count), 0.01);
-      EXPECT_LT(worst, 0.03);
+      std::printf("roughness %.1f, %s: mean %+.4f, worst %.4f of the directional albedo\n", roughness, compressed ? "24 vectors" : "uncompressed", mean / count, worst);
+      EXPECT_LT(std::abs(mean / count), 0.006);
+      EXPECT_LT(worst, 0.015);
     }
   }
 }
 
 // A wall that is lit beside others that are nearly black: the lobe's light has an edge, and the band limit blurs it the less the higher the order.
 TEST_F(RadianceReceivers, ABrightWallComesNearerWithTheOrder) {
-  const std::string scene = room(R"({"albedo": 0.1})", R"({"albedo": 0.8})", R"({"type": "spot", "name": "lamp", "position": [0.8, 1, 0], "direction": [-1, 0, 0], "intensity": 10, "inner_degrees": 20, "outer_degrees": 28})",
+  const std::string scene = room(R"({"albedo": 0.1})", R"({"albedo": 0.8})", R"({"type": "point", "name": "lamp", "position": [0.2, 1, 0.3], "intensity": 5})",
                                  0.05, 0.6, 0.5);
   std::vector<double> errors;
   for (const int order : {0, 2, 4, 7}) {
     auto session = makeSession();
     Preset p = preset(scene, order);
-    p.parameters["srp.sh_order"] = "8";
-    p.parameters["reference.samples"] = "256";
+    p.parameters["srp.sh_order"] = "7";
     session->load(p);
     session->settle();
     session->reference();
     expectNoMessages(*session);
-    errors.push_back(error(*session, "relmse"));
-    std::printf("order %d: relmse %.4f, bias %+.4f; %g pixels below 0\n", order, errors.back(), error(*session, "bias"), counter(*session, "negative_reflections"));
+    errors.push_back(norm(*session));
+    std::printf("order %d: %.4f of the norm, bias %+.4f; %g pixels below 0\n", order, errors.back(), error(*session, "bias"), counter(*session, "negative_reflections"));
     EXPECT_EQ(counter(*session, "reflections_nan_inf"), 0);
     EXPECT_EQ(counter(*session, "reflections_without_texel"), 0);
     if (order == 7) {
-      EXPECT_LT(std::abs(error(*session, "bias")), 0.05);
+      EXPECT_LT(std::abs(error(*session, "bias")), 0.02);
     }
   }
-  EXPECT_LT(errors[1], 0.7 * errors[0]);
-  EXPECT_LT(errors[2], 0.7 * errors[1]);
-  EXPECT_LT(errors[3], errors[2]);
-  EXPECT_LT(errors[3], 0.05);
+  EXPECT_LT(errors[1], 0.5 * errors[0]);
+  EXPECT_LT(errors[2], 0.6 * errors[1]);
+  EXPECT_LT(errors[3], 0.9 * errors[2]);
+  EXPECT_LT(errors[3], 0.06);
 }
 
 TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLight) {
@@ -155,9 +166,9 @@ TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLi
   const Image a = plain->image("indirect_irradiance"), b = radiance->image("indirect_irradiance");
   for (size_t i = 0; i < a.data.size(); ++i) ASSERT_NEAR(b.data[i], a.data[i], 1e-5f * std::abs(a.data[i]) + 1e-7f);
   // No glossy surface: nothing but the name differs.
-  const auto diffuse = [&](const char* receivers) { return settledIndirect(*makeSession(), [&] {
+  const auto diffuse = [&](const char* kind) { return settledIndirect(*makeSession(), [&] {
     Preset p = quickPreset("point_light_cube", "srp");
-    p.parameters["srp.receivers"] = receivers;
+    p.parameters["srp.receivers"] = kind;
     return p;
   }()); };
   EXPECT_EQ(diffuse("irradiance").data, diffuse("radiance").data);
@@ -174,8 +185,8 @@ TEST_F(RadianceReceivers, WhatTheDiskHasIsTheSameToTheBit) {
     if (i == 2) p.parameters["srp.glossy_order"] = "2";  // another precomputation
     session->load(p);
     session->settle();
+    images[i] = session->image("specular").data;  // before counters are asked for, which takes a frame
     EXPECT_EQ(counter(*session, "clusters_from_disk"), i == 1 ? counter(*session, "clusters") : 0);
-    images[i] = session->image("specular").data;
     expectNoMessages(*session);
   }
   EXPECT_EQ(images[0], images[1]);

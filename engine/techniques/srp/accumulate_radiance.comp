@@ -18,6 +18,7 @@ layout(scalar) readonly buffer questions_block { Ray questions[]; };
 layout(scalar) readonly buffer shares_block { float shares[]; };
 layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x columns
+layout(scalar) buffer moments_block { float moments[]; };  // wide receivers x rows of radiance: sums of factors alone
 layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
@@ -27,13 +28,22 @@ void main() {
   uint receiver = i / unit.slots;
   uint q = i % unit.slots;
   SrpNear n = near[i];
-  if (!(n.weight > 0.0)) return;
   HemisphereTerm term = hemisphereTerm(int(row));
   vec3 normal = points[unit.firstReceiver + receiver].geometricNormal;
   vec3 t, b;
   orthonormalBasis(normal, t, b);
   // Of N stratified samples the lowest is at 1 / sqrt(N).
   float least = inversesqrt(float(unit.allSamples));
+  if (q == 0u) {
+    float sum = 0.0;
+    for (uint s = 0u; s < unit.samples; ++s) {
+      uint r = receiver * unit.samples + s;
+      vec3 own = rays[r].direction;
+      if (unit.everySample != 0u || scales[r] != kSrpInvalid) sum += hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
+    }
+    moments[receiver * gl_NumWorkGroups.y + row] += sum;
+  }
+  if (!(n.weight > 0.0)) return;
   uint base = (unit.receivers + row * unit.wide + receiver) * unit.columns + n.column;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;

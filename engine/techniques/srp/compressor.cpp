@@ -6,8 +6,28 @@
 #include "engine/core/log.h"
 #include "engine/core/math.h"
 #include "engine/techniques/srp/cpca.h"
+#include "engine/techniques/srp/hemisphere_basis.h"
 
 namespace hl {
+namespace {
+
+/// Samples are not spread as evenly as the integral is: their mean factors are not what they ought to be, and light that is the same everywhere would have a shape. Each row takes
+/// of irradiance's what sets that right (a control variate), so that constant radiance comes out as it is.
+void keepConstantRadiance(const ClusterSums& sums, std::vector<float>& alpha, const SrpParams& params) {
+  const size_t terms = sums.rows - 1, columns = sums.columns;
+  for (size_t r = 0; r < sums.wide && !sums.moments.empty(); ++r) {
+    const float samples = params.sample_weight == kSampleWeightValid ? sums.valid[r] : static_cast<float>(params.receiver_rays);
+    if (!(samples > 0)) continue;
+    for (size_t j = 0; j < terms; ++j) {
+      const float missing = shared::hemisphereMeanFactor(static_cast<int>(j)) - sums.moments[r * terms + j] / samples;
+      const float* irradiance = &alpha[r * columns];
+      float* row = &alpha[(sums.receivers + j * sums.wide + r) * columns];
+      for (size_t i = 0; i < columns; ++i) row[i] += missing * irradiance[i];
+    }
+  }
+}
+
+}  // namespace
 
 ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
   const auto all = static_cast<float>(params.receiver_rays);
@@ -33,6 +53,7 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
       for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
     }
   }
+  keepConstantRadiance(sums, alpha, params);
   if (params.compression == kCompressionNone) {
     for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
     t.rank = sums.columns;

@@ -103,6 +103,8 @@ HL_INLINE float hemisphereValue(HemisphereTerm t, float x, float y) {
 /// What a cosine distributed sample's radiance counts in coefficient t = integral of L Z sqrt(z) over solid angle, over what it counts in irradiance. `z`: its height; as that at
 /// least `least`, so that no sample along the horizon decides.
 HL_INLINE float hemisphereFactor(HemisphereTerm t, float x, float y, float z, float least) { return hemisphereValue(t, x, y) * inversesqrt(max(z, least)); }
+/// Mean of hemisphereFactor over cosine distributed samples: 0 but for the constant function.
+HL_INLINE float hemisphereMeanFactor(int index) { return index == 0 ? 1.0f / (3.14159265358979323846f * hemisphereNorm(0, 0)) : 0.0f; }
 
 HL_END
 #endif

@@ -54,7 +54,7 @@ PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
 PARAM_ENUM(receivers, SrpReceivers, kReceiversIrradiance, Rebuild, "What receivers know of the light that reaches them.")
 PARAM_INT(glossy_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
           "receivers radiance: degree of the polynomials that hold radiance at a glossy receiver; (n + 1)(n + 2) / 2 vectors beside irradiance's. Sharper reflections for more memory and time.")
-PARAM_INT(glossy_samples, 32, 4, 512, 8, 128, Log, Live, "directions", "receivers radiance: directions of a glossy pixel's lobe in which radiance is read.")
+PARAM_INT(glossy_samples, 64, 4, 512, 16, 256, Log, Live, "directions", "receivers radiance: directions of a glossy pixel's lobe in which radiance is read.")
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
 PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")

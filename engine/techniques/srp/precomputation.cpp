@@ -148,6 +148,10 @@ void Precomputation::allocate(const SceneView& scene) {
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
+  uint64_t wide = 1;
+  if (params_.receivers == kReceiversRadiance)
+    for (const ReceiverCluster& c : clusters_.clusters) wide = std::max<uint64_t>(wide, uint64_t{c.wide} * (rows_ - 1));
+  moments_ = device_.buffer("srp: sums of factors", 4 * wide);
   answered_ = device_.buffer("srp: samples of surfaces", 4 * receivers);
 }
 
@@ -174,6 +178,7 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
   graph.clear("srp: clear transport", matrix_);
   graph.clear("srp: clear valid samples", valid_);
+  if (params_.receivers == kReceiversRadiance) graph.clear("srp: clear sums of factors", moments_);
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
 
@@ -194,6 +199,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
   unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1, unit.wide = c.wide;
+  unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
@@ -271,6 +277,7 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
+      .bind("moments", moments_, Access::ReadWrite)
       .push(unit)
       .dispatch((wide * unit.slots + 63) / 64, rows_ - 1);
 }
@@ -282,7 +289,8 @@ void Precomputation::recordCompression(FrameGraph& graph) {
       .read(valid_)
       .read(strata_)
       .read(answered_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
+      .read(moments_)
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
             columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
         if (reads > 0) {
@@ -295,18 +303,22 @@ void Precomputation::recordCompression(FrameGraph& graph) {
         const std::span<float> values = memory.span<float>(matrix).first(size_t{matrixRows} * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
         sums.valid.assign(counts.begin(), counts.end());
+        if (radiance) {
+          const std::span<float> factors = memory.span<float>(moments).first(size_t{wide} * (rows - 1));
+          sums.moments.assign(factors.begin(), factors.end());
+        }
         compressor->add(std::move(sums));
       });
 }
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = moments_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
-  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_}) bytes += *b ? b->size() : 0;
+  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_, &moments_}) bytes += *b ? b->size() : 0;
   return bytes;
 }
 

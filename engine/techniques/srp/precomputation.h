@@ -54,7 +54,7 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, moments_;
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
   size_t compressions_ = 1;       ///< at once

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What glossy surfaces reflect towards the camera: the lobe's integral with each function of the hemisphere's basis, over a fixed low-discrepancy set of facets as the eye sees them, and
-// those with the coefficients of the texels round the pixel. Texels of other charts, and those of surfaces that are not glossy, are left out as in lightmap_apply.comp.
+// What glossy surfaces reflect towards the camera: the lobe's integral with each function of the hemisphere's basis, over a fixed spiral of facets as the eye sees them, and those with the
+// coefficients of the texels round the pixel. Texels of other charts, and those of surfaces that are not glossy, are left out as in lightmap_apply.comp.
 #include "engine/techniques/srp/hemisphere_basis.h"
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/ggx.h"
@@ -10,6 +10,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const int kDegree = 4;
 const int kTerms = (kDegree + 1) * (kDegree + 2) / 2;
+
+/// Turns from one sample of the spiral to the next: of lattices over the disc of visible facets the evenest (README).
+const float kGoldenTurn = 0.61803398875;
 
 /// Texels whose normals agree to this cosine have one frame, to rounding.
 const float kSameNormal = 0.999999;
@@ -38,7 +41,8 @@ void integrate(vec3 frameNormal, vec3 pixelNormal, vec3 view, float roughness) {
   for (int j = 0; j < kTerms; ++j) scales[j] = 0.0, biases[j] = 0.0;
   vec3 localView = toLocal(view, pixelNormal);
   for (uint i = 0u; i < reflection.samples; ++i) {
-    vec2 u = vec2((float(i) + 0.5) / float(reflection.samples), unitFloat(reverseBits(i)));
+    float at = float(i) + 0.5;
+    vec2 u = vec2(at / float(reflection.samples), fract(at * kGoldenTurn));
     GgxSample s = sampleGgx(localView, vec3(0.0, 1.0, 0.0), roughness, u);
     if (!(s.weight.y > 0.0)) continue;
     vec3 w = fromLocal(s.light, pixelNormal);

@@ -30,6 +30,7 @@ struct SrpUnit {
   uint allSamples;    ///< of a receiver, in all units
   uint resolution;    ///< of the lightmap
   uint wide;          ///< the first receivers, so many, have all rows; the others one
+  uint everySample;   ///< 1: samples that no probe sees count too, as read off surfaces or as dark
 };
 
 /// Rows of the matrix that a directional receiver has: its irradiance, and the three parts of irradiance's change with the normal, in the frame that
