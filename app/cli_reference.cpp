@@ -95,13 +95,14 @@ std::vector<Written> imagesOf(Session& session, const ReferenceResult& r, bool l
   }
   const bool lobes = r.glossy() && !diffuseOnly;
   const ReferenceImage specular = r.specularImage(bounces);
+  const ReferenceImage highlights = r.directSpecularImage();
   Image radiance = session.image("reference");
-  if (diffuseOnly)
-    for (size_t i = 0; i < radiance.data.size(); ++i) radiance.data[i] -= specular.mean.data[i];
+  if (r.glossy() && diffuseOnly)
+    for (size_t i = 0; i < radiance.data.size(); ++i) radiance.data[i] -= specular.mean.data[i] + highlights.mean.data[i];
   out.push_back(written("radiance", std::move(radiance), 0));
   out.push_back(written("indirect irradiance", indirect.mean, noiseOf(indirect)));
   out.push_back(written("direct irradiance", direct.mean, noiseOf(direct)));
-  if (lobes) out.push_back(written("specular radiance", specular.mean, noiseOf(specular)));
+  if (lobes) out.push_back(written("specular radiance", specular.mean, noiseOf(specular))), out.push_back(written("direct specular radiance", highlights.mean, noiseOf(highlights)));
   return out;
 }
 

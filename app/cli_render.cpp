@@ -108,7 +108,7 @@ void writeOut(Session& session, Folder& folder) {
   folder.image(session, "indirect", "indirect");
   folder.image(session, "indirect_irradiance", "indirect_irradiance");
   const bool glossy = session.features().glossySurfaces;
-  if (glossy) folder.image(session, "specular", "indirect_specular");
+  if (glossy) folder.image(session, "specular", "indirect_specular"), folder.image(session, "direct_specular", "direct_specular");
   if (session.currentReference()) {
     folder.image(session, "reference", "reference");
     folder.image(session, "reference_indirect", "reference_indirect_irradiance");

@@ -26,6 +26,28 @@ struct RayBuffers {
   }
 };
 
+/// The same of lobes' rays.
+struct LobeBuffers {
+  Buffer rays, weights, hits;
+
+  void reserve(Device& device, uint64_t count) {
+    if (rays && rays.size() >= count * sizeof(shared::Ray)) return;
+    rays = device.buffer("direct specular: rays", count * sizeof(shared::Ray));
+    weights = device.buffer("direct specular: weights", count * sizeof(vec3));
+    hits = device.buffer("direct specular: hits", count * sizeof(shared::Hit));
+  }
+};
+
+/// Sums over samples by pixel, and their mean so far.
+struct PixelSums {
+  Buffer punctual, sampled;
+  GpuImage result;
+  uint32_t samplesDone = 0, seed = 0;
+  bool punctualDone = false, cleared = false;
+
+  void restart() { samplesDone = 0, punctualDone = false, cleared = false; }
+};
+
 uint64_t bytesOf(const Buffer& b) { return b ? b.size() : 0; }
 
 }  // namespace
@@ -36,11 +58,11 @@ struct DirectLight::Impl {
   Tracer& tracer;
   RayBuffers buffers;
 
-  // What pixels have gathered since the last reset.
-  Buffer points, punctual, sampled;
-  GpuImage result;
-  uint32_t samplesDone = 0, seed = 0;
-  bool punctualDone = false, cleared = false;
+  LobeBuffers lobes;
+
+  // What pixels have gathered since the last reset, as irradiance and by their lobes.
+  Buffer points;
+  PixelSums irradiance, specular;
 
   bool skyShines() const { return scene.sky.x > 0 || scene.sky.y > 0 || scene.sky.z > 0; }
   bool environmentShines() const { return scene.environment.width > 0; }
@@ -66,10 +88,8 @@ struct DirectLight::Impl {
     return b;
   }
 
-  uint32_t pointsAtOnce(const shared::DirectBatch& b) const {
-    const uint64_t slots = std::max<uint64_t>(1, shared::directSlots(b));
-    return static_cast<uint32_t>(std::max<uint64_t>(1, rayLimit() / slots));
-  }
+  /// Points with so many rays each.
+  uint32_t pointsAtOnce(uint32_t slots) const { return static_cast<uint32_t>(std::max<uint64_t>(1, rayLimit() / std::max(1u, slots))); }
 
   void recordBatch(FrameGraph& graph, const std::string& prefix, const Buffer& from, const Buffer& to,
                    const shared::DirectBatch& b) {
@@ -102,27 +122,80 @@ struct DirectLight::Impl {
     for (const char* pass : {": sample lights", ": shadow rays", ": accumulate"}) graph.skip(prefix + pass, reason);
   }
 
-  void restart() { samplesDone = 0, punctualDone = false, cleared = false; }
+  void recordLobeBatch(FrameGraph& graph, const std::string& prefix, const GBuffer& g, const Buffer& sums, const shared::DirectBatch& b) {
+    const uint32_t lightSlots = shared::lobeLightSlots(b), raySlots = shared::lobeRaySlots(b);
+    const uint32_t lightRays = b.count * lightSlots, lobeRays = b.count * raySlots;
+    buffers.reserve(device, std::max(1u, lightRays));
+    lobes.reserve(device, std::max(1u, lobeRays));
+    graph.compute(prefix + ": sample lights and lobes", "passes/direct_specular.comp")
+        .bind("points", points, Access::Read)
+        .bind("lights", scene.lights, Access::Read)
+        .bind("emitters", scene.emitters, Access::Read)
+        .bind("specular", g.specular, Access::Read)
+        .bind("rays", buffers.rays, Access::Write)
+        .bind("unshadowed", buffers.unshadowed, Access::Write)
+        .bind("lobe_rays", lobes.rays, Access::Write)
+        .bind("lobe_weights", lobes.weights, Access::Write)
+        .push(b)
+        .dispatchThreads(b.count, lightSlots + raySlots);
+    if (lightRays > 0) tracer.record(graph, prefix + ": shadow rays", buffers.rays, buffers.occluded, lightRays, Query::Any);
+    if (lobeRays > 0) tracer.record(graph, prefix + ": lobe rays", lobes.rays, lobes.hits, lobeRays, Query::Closest);
+    graph.compute(prefix + ": gather", "passes/direct_specular_gather.comp")
+        .bind("points", points, Access::Read)
+        .bind("emitters", scene.emitters, Access::Read)
+        .bind("environment_texels", scene.environmentTexels, Access::Read)
+        .bind("specular", g.specular, Access::Read)
+        .bind("unshadowed", buffers.unshadowed, Access::Read)
+        .bind("occluded", buffers.occluded, Access::Read)
+        .bind("lobe_rays", lobes.rays, Access::Read)
+        .bind("lobe_weights", lobes.weights, Access::Read)
+        .bind("lobe_hits", lobes.hits, Access::Read)
+        .bind("sums", sums, Access::ReadWrite)
+        .push(b)
+        .dispatchThreads(b.count);
+  }
 
-  void resize(int width, int height) {
-    if (result && result.width() == width && result.height() == height) return;
+  void restart() { irradiance.restart(), specular.restart(); }
+
+  bool punctualLeft(const PixelSums& s) const { return scene.lightCount > 0 && !s.punctualDone; }
+  bool samplesLeft(const PixelSums& s, const DirectParams& params) const { return hasSampled() && s.samplesDone < static_cast<uint32_t>(params.samples); }
+
+  void clear(FrameGraph& graph, const std::string& name, PixelSums& s, uint32_t seed) const {
+    if (s.seed != seed) s.restart(), s.seed = seed;
+    if (s.cleared) return;
+    graph.clear(name + ": clear punctual sum", s.punctual);
+    graph.clear(name + ": clear sampled sum", s.sampled);
+    graph.clear(name + ": clear result", s.result);
+    s.cleared = true;
+  }
+
+  static void recordMean(FrameGraph& graph, const std::string& name, const PixelSums& s) {
+    graph.compute(name, "passes/direct_mean.comp")
+        .bind("punctual", s.punctual, Access::Read)
+        .bind("sampled", s.sampled, Access::Read)
+        .bind("result", s.result, Access::Write)
+        .dispatchThreads(static_cast<uint32_t>(s.result.width()), static_cast<uint32_t>(s.result.height()));
+  }
+
+  void resize(PixelSums& s, const std::string& name, const char* what, int width, int height) const {
+    if (s.result && s.result.width() == width && s.result.height() == height) return;
     const uint64_t bytes = static_cast<uint64_t>(width) * static_cast<uint64_t>(height) * sizeof(vec4);
     if (bytes > device.maxStorageBufferBytes())
       throw Error(ErrorKind::TooLarge, "direct: " + std::to_string(width) + " x " + std::to_string(height) +
                                          " pixels take " + std::to_string(bytes) +
                                          " bytes, a buffer of this device holds " +
                                          std::to_string(device.maxStorageBufferBytes()));
-    result = device.image("direct: irradiance", {width, height, Format::RGBA32F});
-    punctual = device.buffer("direct: punctual sum", bytes);
-    sampled = device.buffer("direct: sampled sum", bytes);
-    restart();
+    s.result = device.image(name + ": " + what, {width, height, Format::RGBA32F});
+    s.punctual = device.buffer(name + ": punctual sum", bytes);
+    s.sampled = device.buffer(name + ": sampled sum", bytes);
+    s.restart();
   }
 
-  /// All pixels, piece by piece: points from the G-buffer, then one batch.
+  /// All pixels, piece by piece: points from the G-buffer, then one batch. `ofLobes`: what they reflect, not what falls on the pixels.
   void recordPieces(FrameGraph& graph, const std::string& prefix, const GBuffer& g, float offset, shared::DirectBatch b,
-                    const Buffer& sum) {
+                    const Buffer& sum, bool ofLobes) {
     const auto pixels = static_cast<uint32_t>(g.width) * static_cast<uint32_t>(g.height);
-    const uint32_t piece = std::min(pixels, pointsAtOnce(b));
+    const uint32_t piece = std::min(pixels, pointsAtOnce(ofLobes ? shared::lobeLightSlots(b) + shared::lobeRaySlots(b) : shared::directSlots(b)));
     if (!points || points.size() < uint64_t{piece} * sizeof(shared::SurfacePoint))
       points = device.buffer("direct: points", uint64_t{piece} * sizeof(shared::SurfacePoint));
     for (uint32_t first = 0; first < pixels; first += piece) {
@@ -140,7 +213,10 @@ struct DirectLight::Impl {
           .dispatchThreads(constants.count);
       b.targetBase = first;
       b.count = constants.count;
-      recordBatch(graph, prefix, points, sum, b);
+      if (ofLobes)
+        recordLobeBatch(graph, prefix, g, sum, b);
+      else
+        recordBatch(graph, prefix, points, sum, b);
     }
   }
 };
@@ -160,7 +236,7 @@ void DirectLight::record(FrameGraph& graph, const std::string& prefix, const Buf
                    ") lie outside buffer " +
                    (points.size() < end * sizeof(shared::SurfacePoint) ? points.name() : irradiance.name()));
   shared::DirectBatch b = im.batch(seed, sample, 1, true, true);
-  const uint32_t piece = im.pointsAtOnce(b);
+  const uint32_t piece = im.pointsAtOnce(shared::directSlots(b));
   for (uint32_t at = 0; at < count; at += piece) {
     b.pointBase = b.targetBase = first + at;
     b.count = std::min(piece, count - at);
@@ -170,54 +246,74 @@ void DirectLight::record(FrameGraph& graph, const std::string& prefix, const Buf
 
 GpuImage DirectLight::recordPixels(FrameGraph& graph, const GBuffer& g, const DirectParams& params, uint32_t seed) {
   Impl& im = *impl_;
-  im.resize(g.width, g.height);
-  if (im.seed != seed) im.restart(), im.seed = seed;
-  if (!im.cleared) {
-    graph.clear("direct: clear punctual sum", im.punctual);
-    graph.clear("direct: clear sampled sum", im.sampled);
-    graph.clear("direct: clear irradiance", im.result);
-    im.cleared = true;
-  }
+  PixelSums& sums = im.irradiance;
+  im.resize(sums, "direct", "irradiance", g.width, g.height);
+  im.clear(graph, "direct", sums, seed);
   const float offset = params.ray_offset * im.scene.diagonal;
-  const bool punctualNow = im.scene.lightCount > 0 && !im.punctualDone;
-  const auto wanted = static_cast<uint32_t>(params.samples);
-  const bool sampledNow = im.hasSampled() && im.samplesDone < wanted;
+  const bool punctualNow = im.punctualLeft(sums), sampledNow = im.samplesLeft(sums, params);
 
   // Punctual lights have one direction each: one ray tells all there is to know.
   if (punctualNow) {
-    im.recordPieces(graph, "direct punctual", g, offset, im.batch(seed, 0, 1, true, false), im.punctual);
-    im.punctualDone = true;
+    im.recordPieces(graph, "direct punctual", g, offset, im.batch(seed, 0, 1, true, false), sums.punctual, false);
+    sums.punctualDone = true;
   } else {
     im.skipBatch(graph, "direct punctual", im.scene.lightCount == 0 ? "scene has no punctual lights" : "settled");
   }
   if (sampledNow) {
-    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), wanted - im.samplesDone);
-    im.recordPieces(graph, "direct", g, offset, im.batch(seed, im.samplesDone, samples, false, true), im.sampled);
-    im.samplesDone += samples;
+    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), static_cast<uint32_t>(params.samples) - sums.samplesDone);
+    im.recordPieces(graph, "direct", g, offset, im.batch(seed, sums.samplesDone, samples, false, true), sums.sampled, false);
+    sums.samplesDone += samples;
   } else {
     im.skipBatch(graph, "direct",
                  im.hasSampled()  ? "settled"
                  : im.hasLights() ? "scene has no emitters, no sky and no environment map"
                                   : kNoLights);
   }
-  if (punctualNow || sampledNow) {
-    graph.compute("direct: mean", "passes/direct_mean.comp")
-        .bind("punctual", im.punctual, Access::Read)
-        .bind("sampled", im.sampled, Access::Read)
-        .bind("result", im.result, Access::Write)
-        .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
-  } else {
+  if (punctualNow || sampledNow)
+    im.recordMean(graph, "direct: mean", sums);
+  else
     graph.skip("direct: mean", im.hasLights() ? "settled" : kNoLights);
+  return sums.result;
+}
+
+GpuImage DirectLight::recordSpecular(FrameGraph& graph, const GBuffer& g, vec3 eye, const DirectParams& params, uint32_t seed) {
+  Impl& im = *impl_;
+  if (!g.specular || !im.hasLights()) {
+    graph.skip("direct specular", g.specular ? kNoLights : "scene has no glossy surfaces");
+    return {};
   }
-  return im.result;
+  PixelSums& sums = im.specular;
+  im.resize(sums, "direct specular", "radiance", g.width, g.height);
+  im.clear(graph, "direct specular", sums, seed);
+  const float offset = params.ray_offset * im.scene.diagonal;
+  const bool punctualNow = im.punctualLeft(sums), sampledNow = im.samplesLeft(sums, params);
+  if (!punctualNow && !sampledNow) {
+    graph.skip("direct specular", "settled");
+    return sums.result;
+  }
+  const auto record = [&](const char* prefix, shared::DirectBatch b, const Buffer& to) {
+    b.eye = eye;
+    im.recordPieces(graph, prefix, g, offset, b, to, true);
+  };
+  if (punctualNow) {
+    record("direct specular punctual", im.batch(seed, 0, 1, true, false), sums.punctual);
+    sums.punctualDone = true;
+  }
+  if (sampledNow) {
+    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), static_cast<uint32_t>(params.samples) - sums.samplesDone);
+    record("direct specular", im.batch(seed, sums.samplesDone, samples, false, true), sums.sampled);
+    sums.samplesDone += samples;
+  }
+  im.recordMean(graph, "direct specular: mean", sums);
+  return sums.result;
 }
 
 void DirectLight::reset() { impl_->restart(); }
 
 bool DirectLight::settled(const DirectParams& params) const {
   const Impl& im = *impl_;
-  return (im.scene.lightCount == 0 || im.punctualDone) &&
-         (!im.hasSampled() || im.samplesDone >= static_cast<uint32_t>(params.samples));
+  const auto done = [&](const PixelSums& s) { return !im.punctualLeft(s) && !im.samplesLeft(s, params); };
+  return done(im.irradiance) && (!im.scene.features.glossySurfaces || done(im.specular));
 }
 
 bool DirectLight::exactAfterOneSample() const { return !impl_->hasSampled(); }
@@ -225,13 +321,15 @@ bool DirectLight::exactAfterOneSample() const { return !impl_->hasSampled(); }
 std::vector<std::pair<std::string, uint64_t>> DirectLight::memory() const {
   const Impl& im = *impl_;
   const uint64_t rays = bytesOf(im.buffers.rays) + bytesOf(im.buffers.unshadowed) + bytesOf(im.buffers.occluded);
-  const uint64_t image =
-      im.result ? static_cast<uint64_t>(im.result.width()) * static_cast<uint64_t>(im.result.height()) * sizeof(vec4)
-                : 0;
-  return {{"direct: rays", rays},
-          {"direct: points", bytesOf(im.points)},
-          {"direct: sums", bytesOf(im.punctual) + bytesOf(im.sampled)},
-          {"direct: irradiance", image}};
+  const uint64_t lobes = bytesOf(im.lobes.rays) + bytesOf(im.lobes.weights) + bytesOf(im.lobes.hits);
+  const auto image = [](const GpuImage& i) { return i ? static_cast<uint64_t>(i.width()) * static_cast<uint64_t>(i.height()) * sizeof(vec4) : 0; };
+  const auto sums = [](const PixelSums& s) { return bytesOf(s.punctual) + bytesOf(s.sampled); };
+  std::vector<std::pair<std::string, uint64_t>> out = {{"direct: rays", rays},
+                                                       {"direct: points", bytesOf(im.points)},
+                                                       {"direct: sums", sums(im.irradiance)},
+                                                       {"direct: irradiance", image(im.irradiance.result)}};
+  if (im.specular.result) out.insert(out.end(), {{"direct specular: rays", lobes}, {"direct specular: sums", sums(im.specular)}, {"direct specular: radiance", image(im.specular.result)}});
+  return out;
 }
 
 }  // namespace hl

@@ -21,6 +21,10 @@ class DirectLight {
   /// Irradiance at G-buffer pixels: punctual lights by one ray each, emitters and sky as a running mean over
   /// frames since `reset` up to `params.samples` samples; then skipped as settled. Passes "direct punctual: ...", "direct: ...".
   GpuImage recordPixels(FrameGraph&, const GBuffer&, const DirectParams&, uint32_t seed);
+  /// Radiance towards `eye` [W/(sr m^2)] that the lobes of glossy pixels reflect of lamps, emission, sky and environment map, without a bounce: punctual lights by one ray each, the rest
+  /// by rays to emitters and rays of the lobe, weighed by both densities, as the same running mean. Call it in each frame, after recordPixels. Empty where the scene has no
+  /// glossy surfaces. Passes "direct specular punctual: ...", "direct specular: ...".
+  GpuImage recordSpecular(FrameGraph&, const GBuffer&, vec3 eye, const DirectParams&, uint32_t seed);
   void reset();
   bool settled(const DirectParams&) const;
   /// Only punctual lights, or none: further samples would repeat the first.

@@ -114,6 +114,7 @@ const std::vector<ViewInfo>& displayViews() {
       {"indirect_irradiance", "Indirect irradiance (without albedo)"},
       {"specular", "Indirect specular radiance"},
       {"direct", "Direct irradiance"},
+      {"direct_specular", "Direct specular radiance (highlights)"},
       {"albedo", "Albedo"},
       {"normal", "Normal"},
       {"position", "Position (fractions of a metre)"},
@@ -123,6 +124,7 @@ const std::vector<ViewInfo>& displayViews() {
       {"reference_indirect", "Reference, indirect irradiance"},
       {"reference_specular", "Reference, indirect specular radiance"},
       {"reference_direct", "Reference, direct irradiance"},
+      {"reference_direct_specular", "Reference, direct specular radiance"},
       {"error", "Error against the matched reference"},
       {"error_full", "Error against the full reference"},
   };
@@ -130,7 +132,7 @@ const std::vector<ViewInfo>& displayViews() {
 }
 
 GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& direct, const GpuImage& indirect,
-                         vec3 sky, const GpuImage& specular) {
+                         vec3 sky, const GpuImage& specular, const GpuImage& directSpecular) {
   // Two composites of one frame (the picture, and indirect light alone to look at) are two images.
   const char* name = direct ? "composite" : "composite: indirect";
   const GpuImage radiance = graph.transient(name, {g.width, g.height, Format::RGBA32F});
@@ -142,10 +144,12 @@ GpuImage recordComposite(FrameGraph& graph, const GBuffer& g, const GpuImage& di
       .sample("direct", direct ? direct : g.position)
       .sample("indirect", indirect ? indirect : g.position)
       .sample("specular", specular ? specular : g.position)
+      .sample("directSpecular", directSpecular ? directSpecular : g.position)
       .bind("radiance", radiance, Access::Write)
       .specialize("kDirect", direct ? 1 : 0)
       .specialize("kIndirect", indirect ? 1 : 0)
       .specialize("kSpecular", specular ? 1 : 0)
+      .specialize("kDirectSpecular", directSpecular ? 1 : 0)
       .push(sky)
       .dispatchThreads(static_cast<uint32_t>(g.width), static_cast<uint32_t>(g.height));
   return radiance;

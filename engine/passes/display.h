@@ -29,8 +29,9 @@ const std::vector<ViewInfo>& displayViews();
 
 /// Radiance towards the camera: emission + (direct + indirect) albedo / pi + specular, or the sky. RGBA32F. Pass "composite".
 /// Without `direct` it is the indirect light alone: no emission, no sky; pass "composite: indirect". Any image may
-/// be empty. `specular`: indirect specular radiance.
-GpuImage recordComposite(FrameGraph&, const GBuffer&, const GpuImage& direct, const GpuImage& indirect, vec3 sky, const GpuImage& specular = {});
+/// be empty. `specular`, `directSpecular`: radiance that lobes reflect, of indirect and of direct light.
+GpuImage recordComposite(FrameGraph&, const GBuffer&, const GpuImage& direct, const GpuImage& indirect, vec3 sky, const GpuImage& specular = {},
+                         const GpuImage& directSpecular = {});
 /// Adds the environment map to a composite, where the camera sees no surface. Pass "background"; skipped without a map.
 void recordBackground(FrameGraph&, const GBuffer&, const GpuScene&, const Camera&, const GpuImage& radiance);
 /// Display-referred RGBA8 of `source` (float or RGBA8; empty: black), stretched to the frame. Pass "tone map". Counts

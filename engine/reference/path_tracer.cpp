@@ -22,16 +22,19 @@ float largest(vec3 v) { return std::max(v.x, std::max(v.y, v.z)); }
 
 Ray rayFrom(vec3 origin, vec3 direction, float tMax = kFar) { return Ray{origin, 0.0f, direction, tMax}; }
 
-/// Density of the cosine-distributed direction that continues a path.
-float cosinePdf(const ShadingPoint& p, vec3 direction) {
-  return std::max(0.0f, glm::dot(p.normal, direction)) / kPi;
-}
-
 bool above(const ShadingPoint& p, vec3 direction) {
   return glm::dot(p.normal, direction) > 0 && glm::dot(p.geometricNormal, direction) > 0;
 }
 
 }  // namespace
+
+vec3 PathTracer::Response::reflect(vec3 irradiance, vec3 direction) const {
+  return lobe_ ? irradiance * shared::ggxBrdf(view_, shared::toLocal(direction, p_->normal), lobe_->specular, lobe_->roughness) : irradiance;
+}
+
+float PathTracer::Response::pdf(vec3 direction) const {
+  return lobe_ ? shared::ggxPdf(view_, shared::toLocal(direction, p_->normal), lobe_->roughness) : std::max(0.0f, glm::dot(p_->normal, direction)) / kPi;
+}
 
 PathTracer::PathTracer(const EmbreeScene& embree, const ReferenceSettings& settings)
     : embree_(embree),
@@ -83,7 +86,14 @@ ShadingPoint PathTracer::shadingPoint(const Receiver& r) const {
   return p;
 }
 
-vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const {
+vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const { return fromLamps(p, Response(p), counters); }
+
+vec3 PathTracer::punctualSpecular(const Receiver& receiver, PathCounters& counters) const {
+  const ShadingPoint p = shadingPoint(receiver);
+  return fromLamps(p, Response(p, receiver), counters);
+}
+
+vec3 PathTracer::fromLamps(const ShadingPoint& p, const Response& response, PathCounters& counters) const {
   vec3 sum(0.0f);
   for (const Lamp& lamp : lamps_) {
     vec3 to = -lamp.direction;
@@ -97,7 +107,7 @@ vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const {
         falloff *= shared::spotFalloff(-glm::dot(to, lamp.direction), lamp.cosInner, lamp.cosOuter);
     }
     if (!above(p, to) || falloff == 0) continue;
-    const vec3 e = lamp.intensity * (falloff * glm::dot(p.normal, to));
+    const vec3 e = response.reflect(lamp.intensity * (falloff * glm::dot(p.normal, to)), to);
     if (!finite(e)) {
       ++counters.nonFinite;
       continue;
@@ -108,7 +118,7 @@ vec3 PathTracer::punctual(const ShadingPoint& p, PathCounters& counters) const {
   return sum;
 }
 
-vec3 PathTracer::sampledEmitter(const ShadingPoint& p, const EmitterChoice& choice, vec2 pointU, float choiceU,
+vec3 PathTracer::sampledEmitter(const ShadingPoint& p, const Response& response, const EmitterChoice& choice, vec2 pointU, float choiceU,
                                 PathCounters& counters) const {
   const uint32_t i = emitters_.choose(choice, choiceU);
   if (i == kNone) return vec3(0.0f);
@@ -120,10 +130,10 @@ vec3 PathTracer::sampledEmitter(const ShadingPoint& p, const EmitterChoice& choi
   const float cosine = glm::dot(p.normal, s.direction);
   ++counters.rays;
   if (embree_.occluded(rayFrom(p.origin, s.direction, s.distance * (1 - kShadowGap) - hitOffset_))) return vec3(0.0f);
-  return e.emission * (cosine / pdf * shared::powerHeuristic(pdf, cosine / kPi));
+  return response.reflect(e.emission * (cosine / pdf * shared::powerHeuristic(pdf, response.pdf(s.direction))), s.direction);
 }
 
-vec3 PathTracer::foundEmission(const ShadingPoint& from, const EmitterChoice& choice, const Hit& hit,
+vec3 PathTracer::foundEmission(const ShadingPoint& from, const Response& response, const EmitterChoice& choice, const Hit& hit,
                                vec3 direction) const {
   const uint32_t i = emitters_.ofTriangle(hit.primitive);
   if (i == kNone) return vec3(0.0f);
@@ -132,37 +142,47 @@ vec3 PathTracer::foundEmission(const ShadingPoint& from, const EmitterChoice& ch
   float lightPdf = emitters_.probability(choice, i);
   if (lightPdf > 0)
     lightPdf *= shared::triangleLightPdf(from.origin, e.p0, e.p1, e.p2, direction, hit.t);
-  return e.emission * shared::powerHeuristic(cosinePdf(from, direction), lightPdf);
+  return e.emission * shared::powerHeuristic(response.pdf(direction), lightPdf);
 }
 
-vec3 PathTracer::sampledEnvironment(const ShadingPoint& p, vec2 u, PathCounters& counters) const {
+vec3 PathTracer::sampledEnvironment(const ShadingPoint& p, const Response& response, vec2 u, PathCounters& counters) const {
   const EnvironmentSample s = environment_.sample(u);
   if (!(s.pdf > 0) || !above(p, s.direction)) return vec3(0.0f);
   const float cosine = glm::dot(p.normal, s.direction);
   ++counters.rays;
   if (embree_.occluded(rayFrom(p.origin, s.direction))) return vec3(0.0f);
-  return s.radiance * (cosine / s.pdf * shared::powerHeuristic(s.pdf, cosine / kPi));
+  return response.reflect(s.radiance * (cosine / s.pdf * shared::powerHeuristic(s.pdf, response.pdf(s.direction))), s.direction);
 }
 
-vec3 PathTracer::foundSky(const ShadingPoint& from, vec3 direction) const {
+vec3 PathTracer::foundSky(const Response& response, vec3 direction) const {
   if (!environment_.shines()) return scene_.sky;
   const vec3 seen = environment_.radiance(direction);
-  return scene_.sky + seen * shared::powerHeuristic(cosinePdf(from, direction), environment_.pdf(seen));
+  return scene_.sky + seen * shared::powerHeuristic(response.pdf(direction), environment_.pdf(seen));
 }
 
 vec3 PathTracer::extended(const ShadingPoint& p, PathSampler& sampler, PathCounters& counters) const {
+  const vec3 direction = shared::fromLocal(
+      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), p.normal);
+  return fromExtended(p, Response(p), direction, vec3(kPi), sampler, counters);
+}
+
+vec3 PathTracer::extendedSpecular(const Receiver& receiver, PathSampler& sampler, PathCounters& counters) const {
+  const ShadingPoint p = shadingPoint(receiver);
+  const shared::GgxSample s = shared::sampleGgx(shared::toLocal(receiver.view, p.normal), receiver.specular, receiver.roughness, sampler.next(0, SamplePurpose::Direction));
+  return fromExtended(p, Response(p, receiver), shared::fromLocal(s.light, p.normal), s.weight, sampler, counters);
+}
+
+vec3 PathTracer::fromExtended(const ShadingPoint& p, const Response& response, vec3 direction, vec3 weight, PathSampler& sampler, PathCounters& counters) const {
   const EmitterChoice choice = emitters_.weigh(p.origin, p.normal);
   vec3 sum(0.0f);
   if (emitters_.any())
-    sum += sampledEmitter(p, choice, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
+    sum += sampledEmitter(p, response, choice, sampler.next(0, SamplePurpose::LightPoint), sampler.next(0, SamplePurpose::Choices).x,
                           counters);
-  if (environment_.shines()) sum += sampledEnvironment(p, sampler.next(0, SamplePurpose::Environment), counters);
-  const vec3 direction = shared::fromLocal(
-      shared::sampleCosineHemisphere(sampler.next(0, SamplePurpose::Direction)), p.normal);
-  if (above(p, direction)) {
+  if (environment_.shines()) sum += sampledEnvironment(p, response, sampler.next(0, SamplePurpose::Environment), counters);
+  if (largest(weight) > 0 && above(p, direction)) {
     ++counters.rays;
     const Hit hit = embree_.closest(rayFrom(p.origin, direction));
-    sum += kPi * (hit.primitive == shared::kMiss ? foundSky(p, direction) : foundEmission(p, choice, hit, direction));
+    sum += weight * (hit.primitive == shared::kMiss ? foundSky(response, direction) : foundEmission(p, response, choice, hit, direction));
   }
   if (finite(sum)) return sum;
   ++counters.nonFinite;
@@ -210,6 +230,7 @@ void PathTracer::follow(vec3 origin, vec3 direction, vec3 throughput, PathSample
     const size_t bucket = static_cast<size_t>(std::min(bounce, kBounceBuckets - 1));
     const uint32_t dimension = static_cast<uint32_t>(bounce) + 1;
     const ShadingPoint p{y.position + y.geometricNormal * hitOffset_, y.normal, y.geometricNormal};
+    const Response diffuse(p);
 
     // Light that reaches y without a further bounce.
     const vec2 choices = sampler.next(dimension, SamplePurpose::Choices);
@@ -217,10 +238,10 @@ void PathTracer::follow(vec3 origin, vec3 direction, vec3 throughput, PathSample
     const EmitterChoice choice = emitters_.weigh(p.origin, p.normal);
     if (emitters_.any()) {
       const vec2 u = sampler.next(dimension, SamplePurpose::LightPoint);
-      add(bucket, throughput * sampledEmitter(p, choice, u, choices.x, counters) / kPi);
+      add(bucket, throughput * sampledEmitter(p, diffuse, choice, u, choices.x, counters) / kPi);
     }
 
-    if (environment_.shines()) add(bucket, throughput * sampledEnvironment(p, sampler.next(dimension, SamplePurpose::Environment), counters) / kPi);
+    if (environment_.shines()) add(bucket, throughput * sampledEnvironment(p, diffuse, sampler.next(dimension, SamplePurpose::Environment), counters) / kPi);
 
     const bool last = bounce + 1 >= maxBounces_;
     if (last && !hasExtendedLight()) return;
@@ -237,10 +258,10 @@ void PathTracer::follow(vec3 origin, vec3 direction, vec3 throughput, PathSample
     hit = embree_.closest(rayFrom(p.origin, direction));
     // Emission that this ray finds, and the sky where it finds nothing, are direct light at y too.
     if (hit.primitive == shared::kMiss) {
-      add(bucket, throughput * foundSky(p, direction));
+      add(bucket, throughput * foundSky(diffuse, direction));
       return;
     }
-    if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, choice, hit, direction));
+    if (!emitters_.empty()) add(bucket, throughput * foundEmission(p, diffuse, choice, hit, direction));
     if (last) return;
   }
 }

@@ -47,6 +47,9 @@ class PathTracer {
   vec3 punctual(const ShadingPoint&, PathCounters&) const;
   /// One estimate of direct irradiance from emissive surfaces, sky and environment map.
   vec3 extended(const ShadingPoint&, PathSampler& sampler, PathCounters&) const;
+  /// The two for what the lobe of a glossy receiver reflects of such light towards the camera, as radiance.
+  vec3 punctualSpecular(const Receiver&, PathCounters&) const;
+  vec3 extendedSpecular(const Receiver&, PathSampler& sampler, PathCounters&) const;
   /// Whether `extended` is more than 0 anywhere.
   bool hasExtendedLight() const { return !emitters_.empty() || scene_.sky != vec3(0.0f) || environment_.shines(); }
 
@@ -56,15 +59,33 @@ class PathTracer {
     float cosInner = -2, cosOuter = -2;
     bool directional = false;
   };
-  vec3 sampledEmitter(const ShadingPoint&, const EmitterChoice&, vec2 pointU, float choiceU, PathCounters&) const;
+  /// What a point makes of light from a direction: irradiance, or radiance by a lobe.
+  class Response {
+   public:
+    explicit Response(const ShadingPoint& p) : p_(&p) {}
+    Response(const ShadingPoint& p, const Receiver& r) : p_(&p), lobe_(&r), view_(shared::toLocal(r.view, p.normal)) {}
+    /// Of irradiance. Unit direction.
+    vec3 reflect(vec3 irradiance, vec3 direction) const;
+    /// Density of the direction that continues a path.
+    float pdf(vec3 direction) const;
+
+   private:
+    const ShadingPoint* p_;
+    const Receiver* lobe_ = nullptr;
+    vec3 view_{0.0f};
+  };
+  vec3 fromLamps(const ShadingPoint&, const Response&, PathCounters&) const;
+  vec3 sampledEmitter(const ShadingPoint&, const Response&, const EmitterChoice&, vec2 pointU, float choiceU, PathCounters&) const;
   /// Radiance that the hit triangle sends back along the ray, weighed against light sampling.
-  vec3 foundEmission(const ShadingPoint& from, const EmitterChoice&, const shared::Hit&, vec3 direction) const;
+  vec3 foundEmission(const ShadingPoint& from, const Response&, const EmitterChoice&, const shared::Hit&, vec3 direction) const;
 
-  /// Irradiance by one direction that the environment map chose, weighed against chance finds.
-  vec3 sampledEnvironment(const ShadingPoint&, vec2 u, PathCounters&) const;
-  /// Radiance of sky and map where a ray, made by the cosine, hits nothing; the map's weighed against sampling it.
-  vec3 foundSky(const ShadingPoint& from, vec3 direction) const;
+  /// By one direction that the environment map chose, weighed against chance finds.
+  vec3 sampledEnvironment(const ShadingPoint&, const Response&, vec2 u, PathCounters&) const;
+  /// Radiance of sky and map where a ray that the response chose hits nothing; the map's weighed against sampling it.
+  vec3 foundSky(const Response&, vec3 direction) const;
 
+  /// One sample of extended lights, and of `weight` times what shines along a ray that the response chose.
+  vec3 fromExtended(const ShadingPoint&, const Response&, vec3 direction, vec3 weight, PathSampler&, PathCounters&) const;
   /// What surfaces along the path that begins with this ray reflect, times `throughput`, by bounce.
   void follow(vec3 origin, vec3 direction, vec3 throughput, PathSampler&, BounceSample& sum, PathCounters&) const;
 

@@ -17,7 +17,7 @@ namespace {
 
 // Changes whenever the same settings would give other numbers: caches of before are then not found.
 constexpr uint32_t kReferenceVersion = 2;
-constexpr uint32_t kLobeVersion = 1;  // the same, of glossy receivers alone
+constexpr uint32_t kLobeVersion = 2;  // the same, of glossy receivers alone
 // Paths in a pass where there are few receivers (else one a half and receiver), and in a unit of `advance`.
 constexpr uint32_t kPassPaths = 8192;
 constexpr uint32_t kUnitPaths = 2048;
@@ -29,6 +29,9 @@ constexpr uint32_t kCancelInterval = 32;
 constexpr uint32_t kStreams = 2;
 // Of the lobes' paths of half 0; after those of indirect and direct light, which scenes without gloss have alone.
 constexpr uint32_t kSpecularStream = 2 * kStreams;
+
+// And those of what lobes reflect directly, after these.
+constexpr uint32_t kDirectSpecularStream = kSpecularStream + 2;
 
 bool anyGlossy(const std::vector<Receiver>& receivers) {
   return std::any_of(receivers.begin(), receivers.end(), [](const Receiver& r) { return r.glossy(); });
@@ -86,6 +89,11 @@ ReferenceImage ReferenceResult::directImage() const { return {meanOf(direct[0], 
 ReferenceImage ReferenceResult::indirectImage(int bounces) const { return sumOf(indirect, bounces, width, height); }
 
 ReferenceImage ReferenceResult::specularImage(int bounces) const { return sumOf(specular, glossy() ? bounces : 0, width, height); }
+
+ReferenceImage ReferenceResult::directSpecularImage() const {
+  if (!glossy()) return {};
+  return {meanOf(directSpecular[0], directSpecular[1]), directSpecular[0], directSpecular[1]};
+}
 
 struct ReferenceTracer::Impl {
   std::shared_ptr<const EmbreeScene> embree;
@@ -153,6 +161,15 @@ struct ReferenceTracer::Impl {
       for (uint32_t b = 0; b < state.buckets; ++b) sums[b] += glm::dvec3(sample[b]);
     }
   }
+  template <class Sample>
+  void addDirect(glm::dvec3& sum, uint32_t stream, uint32_t receiver, const Progress& progress, Sample&& sample) const {
+    PathSampler sampler(seed, stream, receiver);
+    for (uint32_t s = state.now.direct; s < state.next.direct; ++s) {
+      if (s % kCancelInterval == 0) progress.check();
+      sampler.begin(s);
+      sum += glm::dvec3(sample(sampler));
+    }
+  }
   void keep(std::vector<vec3>& kept, uint32_t receiver, const BucketSums& added) const {
     vec3* sums = kept.data() + static_cast<size_t>(receiver) * state.buckets;
     for (uint32_t b = 0; b < state.buckets; ++b) sums[b] = vec3(glm::dvec3(sums[b]) + added[b]);
@@ -166,24 +183,31 @@ struct ReferenceTracer::Impl {
       const bool lobe = lobes && receivers[i].glossy();
       std::array<BucketSums, 2> paths{}, specular{};
       std::array<glm::dvec3, 2> extended{state.extended[0][i], state.extended[1][i]};
+      std::array<glm::dvec3, 2> highlights{};
+      vec3 punctualHighlight(0.0f);
+      if (lobe) {
+        highlights = {state.extendedSpecular[0][i], state.extendedSpecular[1][i]};
+        punctualHighlight = state.now.paths == 0 ? tracer.punctualSpecular(receivers[i], counters) : state.punctualSpecular[i];
+      }
       const vec3 punctual = state.now.paths == 0 ? tracer.punctual(point, counters) : state.punctual[i];
       for (uint32_t half = 0; half < 2; ++half) {
         addPaths(paths[half], kStreams * half, i, progress, [&](PathSampler& sampler, BounceSample& sample) { tracer.indirect(point, sampler, sample, counters); });
         if (lobe)
           addPaths(specular[half], kSpecularStream + half, i, progress,
                    [&](PathSampler& sampler, BounceSample& sample) { tracer.specular(receivers[i], sampler, sample, counters); });
-        PathSampler directSampler(seed, kStreams * half + 1, i);
-        for (uint32_t s = state.now.direct; s < state.next.direct; ++s) {
-          if (s % kCancelInterval == 0) progress.check();
-          directSampler.begin(s);
-          extended[half] += glm::dvec3(tracer.extended(point, directSampler, counters));
-        }
+        addDirect(extended[half], kStreams * half + 1, i, progress, [&](PathSampler& sampler) { return tracer.extended(point, sampler, counters); });
+        if (lobe)
+          addDirect(highlights[half], kDirectSpecularStream + half, i, progress,
+                    [&](PathSampler& sampler) { return tracer.extendedSpecular(receivers[i], sampler, counters); });
       }
       state.punctual[i] = punctual;
+      if (lobe) state.punctualSpecular[i] = punctualHighlight;
       for (uint32_t half = 0; half < 2; ++half) {
         keep(state.indirect[half], i, paths[half]);
-        if (lobe) keep(state.specular[half], i, specular[half]);
         state.extended[half][i] = extended[half];
+        if (!lobe) continue;
+        keep(state.specular[half], i, specular[half]);
+        state.extendedSpecular[half][i] = highlights[half];
       }
     }
     state.ahead[i] = 1;
@@ -233,8 +257,9 @@ struct ReferenceTracer::Impl {
     for (int half = 0; half < 2; ++half) {
       r->direct[half] = Image(width, height, 3);
       for (Image& image : r->indirect[half]) image = Image(width, height, 3);
-      if (lobes)
-        for (Image& image : r->specular[half]) image = Image(width, height, 3);
+      if (!lobes) continue;
+      r->directSpecular[half] = Image(width, height, 3);
+      for (Image& image : r->specular[half]) image = Image(width, height, 3);
     }
     constexpr size_t kGrain = 4096;
     pool.parallelFor(state.receivers, kGrain, [&](size_t first, size_t last, unsigned) {
@@ -244,6 +269,7 @@ struct ReferenceTracer::Impl {
           const double direct = n.direct ? 1 / static_cast<double>(n.direct) : 0.0;
           const float paths = n.paths ? 1 / static_cast<float>(n.paths) : 0.0f;
           setPixel(r->direct[half], i, state.punctual[i] + vec3(state.extended[half][i] * direct));
+          if (lobes) setPixel(r->directSpecular[half], i, state.punctualSpecular[i] + vec3(state.extendedSpecular[half][i] * direct));
           for (uint32_t b = 0; b < state.buckets; ++b) {
             setPixel(r->indirect[half][b], i, state.indirect[half][i * state.buckets + b] * paths);
             if (lobes) setPixel(r->specular[half][b], i, state.specular[half][i * state.buckets + b] * paths);

@@ -43,6 +43,8 @@ struct ReferenceResult {
   /// By the same bounces, radiance [W/(sr m^2)] towards the camera of what the receiver's lobe reflects. Emission and sky seen in the lobe are direct light, and not in it. Images
   /// without pixels where no receiver is glossy, or settings.glossyLastBounce is off.
   std::array<Image, kBounceBuckets> specular[2];
+  /// What those lobes reflect of lamps, emission, sky and environment map without a bounce [W/(sr m^2)]; likewise.
+  Image directSpecular[2];
   uint64_t backFaceHits = 0;   ///< paths that ended on the back of a one-sided surface (of any, where front faces alone count)
   uint64_t nonFinite = 0;      ///< contributions that were NaN or Inf, and left out
   uint64_t paths = 0, rays = 0;  ///< that the result took, shadow rays included
@@ -54,6 +56,7 @@ struct ReferenceResult {
   bool glossy() const { return specular[0][0].pixels() > 0; }
   /// As indirectImage, of `specular`; black where there is none.
   ReferenceImage specularImage(int bounces) const;
+  ReferenceImage directSpecularImage() const;  ///< without pixels where there is none
 };
 
 /// Progressive and resumable: each `advance` adds one numbered pass (a fixed number of samples a pixel). The result after pass n does not depend

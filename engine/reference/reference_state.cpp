@@ -17,7 +17,7 @@ namespace hl {
 namespace {
 
 // Files of glossy receivers hold their lobes' sums too; all others are as they were before there were any.
-constexpr std::string_view kMagic = "halflight reference 3\n", kMagicWithLobes = "halflight reference 4\n";
+constexpr std::string_view kMagic = "halflight reference 3\n", kMagicWithLobes = "halflight reference 5\n";
 static_assert(kMagic.size() == kMagicWithLobes.size());
 constexpr size_t kHashDigits = 32;
 constexpr const char* kExtension = ".reference";
@@ -36,7 +36,7 @@ void append(std::string& bytes, const T* data, size_t count) {
 }
 
 size_t payloadBytes(uint64_t receivers, uint64_t buckets, bool lobes) {
-  return sizeof(Header) + receivers * (((lobes ? 4 : 2) * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3) + 1);
+  return sizeof(Header) + receivers * ((lobes ? 2 : 1) * ((2 * buckets + 1) * sizeof(vec3) + 2 * sizeof(glm::dvec3)) + 1);
 }
 
 bool withLobes(std::string_view bytes) { return bytes.starts_with(kMagicWithLobes); }
@@ -69,8 +69,8 @@ ReferenceState parse(std::string_view bytes, std::string_view key, const Referen
     std::memcpy(v.data(), at, v.size() * sizeof v[0]);
     at += v.size() * sizeof v[0];
   };
-  for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.specular[half]), take(s.extended[half]);
-  take(s.punctual);
+  for (int half = 0; half < 2; ++half) take(s.indirect[half]), take(s.specular[half]), take(s.extended[half]), take(s.extendedSpecular[half]);
+  take(s.punctual), take(s.punctualSpecular);
   take(s.ahead);
   return s;
 }
@@ -79,11 +79,12 @@ ReferenceState parse(std::string_view bytes, std::string_view key, const Referen
 
 ReferenceState::ReferenceState(const ReferenceShape& shape) : ReferenceShape(shape) {
   for (int half = 0; half < 2; ++half) {
-    if (lobes) specular[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
+    if (lobes) specular[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f)), extendedSpecular[half].assign(receivers, glm::dvec3(0.0));
     indirect[half].assign(static_cast<size_t>(receivers) * buckets, vec3(0.0f));
     extended[half].assign(receivers, glm::dvec3(0.0));
   }
   punctual.assign(receivers, vec3(0.0f));
+  if (lobes) punctualSpecular.assign(receivers, vec3(0.0f));
   ahead.assign(receivers, 0);
 }
 
@@ -134,8 +135,10 @@ void storeReference(const std::string& key, const ReferenceState& s) {
     append(bytes, s.indirect[half].data(), s.indirect[half].size());
     append(bytes, s.specular[half].data(), s.specular[half].size());
     append(bytes, s.extended[half].data(), s.extended[half].size());
+    append(bytes, s.extendedSpecular[half].data(), s.extendedSpecular[half].size());
   }
   append(bytes, s.punctual.data(), s.punctual.size());
+  append(bytes, s.punctualSpecular.data(), s.punctualSpecular.size());
   append(bytes, s.ahead.data(), s.ahead.size());
   const std::string hash = hashOf(std::string_view(bytes).substr(kMagic.size() + kHashDigits));
   bytes.replace(kMagic.size(), kHashDigits, hash);

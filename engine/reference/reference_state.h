@@ -37,6 +37,8 @@ struct ReferenceState : ReferenceShape {
   std::vector<vec3> indirect[2];  ///< receivers * buckets, a receiver's buckets together
   std::vector<vec3> specular[2];  ///< the same of the receivers' lobes; empty without `lobes`
   std::vector<glm::dvec3> extended[2];  ///< receivers: from emissive surfaces and the sky
+  std::vector<glm::dvec3> extendedSpecular[2];  ///< receivers: what lobes reflect of those; empty without `lobes`
+  std::vector<vec3> punctualSpecular;  ///< receivers: of punctual lights, exact; likewise
   std::vector<vec3> punctual;     ///< receivers: exact, not a sum
   std::vector<uint8_t> ahead;     ///< receivers
 

@@ -121,7 +121,7 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     else
       components = {Component::Indirect};
   }
-  const Image values[] = {indirect, specular ? *specular : Image(), surfaces.composite(direct, indirect, specular ? *specular : Image())};
+  const Image values[] = {indirect, specular ? *specular : Image(), surfaces.composite(direct, indirect, s.directSpecular(), specular ? *specular : Image())};
   struct Regions {
     std::vector<std::string> names;
     std::vector<Mask> masks;
@@ -134,6 +134,7 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   const Regions all = regionsOf(options.mask), lobes = anySet(glossy) ? regionsOf(glossy) : Regions{};
 
   const ReferenceImage sun = s.full.result->directImage();  // direct light is no technique's: the matched reference's, of front faces or other normals, is not what is shown
+  const ReferenceImage highlights = s.full.result->directSpecularImage();
   std::vector<Truth> truths;
   // One run serves both where they differ in bounces alone; beyond its buckets they do not differ at all.
   const bool same = !s.matched.tracer && std::min(bounces, kBounceBuckets) == std::min(s.fullBounces(), kBounceBuckets) && (!anySet(glossy) || transport.glossyLastBounce);
@@ -143,7 +144,7 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
     const ReferenceRun& run = matched && s.matched.tracer ? s.matched : s.full;
     if (!run.result) continue;
     Truth truth{matched ? "matched" : "full", {run.result->indirectImage(s.bouncesOf(matched)), s.lobesOf(run, matched), {}}};
-    truth.of[2] = surfaces.composite(sun, truth.of[0], truth.of[1]);
+    truth.of[2] = surfaces.composite(sun, truth.of[0], highlights, truth.of[1]);
     for (const Component c : components) truth.of[static_cast<size_t>(c)].surfaces = surfaces.ofReference(c);
     truths.push_back(std::move(truth));
   }

@@ -71,6 +71,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   const Camera camera = s.camera(), previousCamera = s.previousCamera.value_or(camera);
   if (s.motionWanted()) recordMotion(s.graph, s.gbuffer, s.gpuScene, camera, previousCamera);
   s.directImage = s.directLight->recordPixels(s.graph, s.gbuffer, s.direct, s.preset.seed);
+  s.directSpecularImage = s.directLight->recordSpecular(s.graph, s.gbuffer, camera.position, s.direct, s.preset.seed);
   s.indirectImage = s.specularImage = {};
   if (s.held || s.techniqueStale) {
     s.graph.skip(s.preset.technique, "its preparation was cancelled or failed");
@@ -81,7 +82,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
                                                               s.previousTime, s.frameSinceChange, s.cameraMoved, s.lightsMoved, s.geometryMoved});
     s.indirectImage = light.irradiance, s.specularImage = light.specular;
   }
-  s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky, s.specularImage);
+  s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky, s.specularImage, s.directSpecularImage);
   recordBackground(s.graph, s.gbuffer, s.gpuScene, camera, s.finalImage);
 
   GpuImage source = s.finalImage;
@@ -96,6 +97,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   if (viewId == "motion") source = s.gbuffer.motion, sceneReferred = false;
   if (viewId == "indirect") source = recordComposite(s.graph, s.gbuffer, GpuImage(), s.indirectImage, vec3(0), s.specularImage);
   if (viewId == "specular") source = s.specularImage;
+  if (viewId == "direct_specular") source = s.directSpecularImage;
   if (!s.held)
     for (const DebugView& v : s.technique->debugViews())
       if (v.id == viewId && v.image) source = v.image, sceneReferred = v.irradiance;

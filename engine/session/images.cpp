@@ -15,7 +15,7 @@
 namespace hl {
 namespace {
 
-constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_indirect", "reference_specular", "reference_matched", "reference_matched_indirect", "reference_matched_specular"};
+constexpr const char* kReferenceImages[] = {"reference", "reference_direct", "reference_direct_specular", "reference_indirect", "reference_specular", "reference_matched", "reference_matched_indirect", "reference_matched_specular"};
 
 Image withoutAlpha(Image in) {
   if (in.channels <= 3) return in;
@@ -39,7 +39,7 @@ uint64_t Session::surfacePixels() {
 
 Mask Session::Impl::surfaceMask() { return maskOf(device.download(gbuffer.position)); }
 
-Image SurfaceImages::composite(const Image& direct, const Image& indirect, const Image& lobes) const {
+Image SurfaceImages::composite(const Image& direct, const Image& indirect, const Image& highlights, const Image& lobes) const {
   Image out(direct.width, direct.height, 3);
   const auto at = [](const Image& image, size_t pixel, size_t c) { return image.data[pixel * static_cast<size_t>(image.channels) + c]; };
   for (size_t i = 0; i < out.pixels(); ++i)
@@ -50,7 +50,8 @@ Image SurfaceImages::composite(const Image& direct, const Image& indirect, const
         continue;
       }
       radiance = at(emission, i, c) + (at(direct, i, c) + at(indirect, i, c)) * at(albedo, i, c) / kPi;
-      if (lobes.pixels() > 0) radiance += at(lobes, i, c);
+      for (const Image* image : {&lobes, &highlights})
+        if (image->pixels() > 0) radiance += at(*image, i, c);
     }
   return out;
 }
@@ -97,9 +98,14 @@ Image Session::Impl::indirectSpecular() {
   return specularImage ? device.download(specularImage) : Image(gbuffer.width, gbuffer.height, 4);
 }
 
-ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& lobes) const {
-  return {composite(direct.mean, indirect.mean, lobes.mean), composite(direct.halfA, indirect.halfA, lobes.halfA),
-          composite(direct.halfB, indirect.halfB, lobes.halfB)};
+Image Session::Impl::directSpecular() {
+  if (!features.glossySurfaces) return {};
+  return directSpecularImage ? device.download(directSpecularImage) : Image(gbuffer.width, gbuffer.height, 4);
+}
+
+ReferenceImage SurfaceImages::composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& highlights, const ReferenceImage& lobes) const {
+  return {composite(direct.mean, indirect.mean, highlights.mean, lobes.mean), composite(direct.halfA, indirect.halfA, highlights.halfA, lobes.halfA),
+          composite(direct.halfB, indirect.halfB, highlights.halfB, lobes.halfB)};
 }
 
 ReferenceImage Session::Impl::lobesOf(const ReferenceRun& run, bool matchedPaths) const {
@@ -114,14 +120,14 @@ ReferenceImage Session::Impl::referenceImage(const std::string& name) {
   if (name.ends_with("_specular") && !features.glossySurfaces) throw badInput(fmt::format("image '{}': the scene has no glossy surfaces", name));
   const SurfaceImages surfaces = surfaceImages();
   if (name.ends_with("_specular")) {
-    ReferenceImage image = lobesOf(*run, limited);
+    ReferenceImage image = name == "reference_direct_specular" ? run->result->directSpecularImage() : lobesOf(*run, limited);
     image.surfaces = surfaces.ofReference(Component::Specular);
     return image;
   }
   const bool onlyDirect = name == "reference_direct", composite = !onlyDirect && !name.ends_with("_indirect");
   ReferenceImage image = onlyDirect ? run->result->directImage() : run->result->indirectImage(bouncesOf(limited));
   // Direct light is no technique's: that of the matched reference, of front faces or other normals, is not what is shown.
-  if (composite) image = surfaces.composite(full.result->directImage(), image, lobesOf(*run, limited));
+  if (composite) image = surfaces.composite(full.result->directImage(), image, full.result->directSpecularImage(), lobesOf(*run, limited));
   image.surfaces = surfaces.ofReference(composite ? Component::Final : Component::Indirect);
   return image;
 }
@@ -140,9 +146,9 @@ Image Session::Impl::linearImage(const std::string& name) {
       for (size_t c = 0; c < 3; ++c) irradiance.data[i * 3 + c] += lobes.data[i * 4 + c];
     return irradiance;
   }
-  if (name == "specular") {
-    if (!features.glossySurfaces) throw badInput("image 'specular': the scene has no glossy surfaces");
-    return withoutAlpha(indirectSpecular());
+  if (name == "specular" || name == "direct_specular") {
+    if (!features.glossySurfaces) throw badInput(fmt::format("image '{}': the scene has no glossy surfaces", name));
+    return withoutAlpha(name == "specular" ? indirectSpecular() : directSpecular());
   }
   if (name == "direct") return withoutAlpha(device.download(directImage));
   if (name == "albedo") return withoutAlpha(device.download(gbuffer.albedo));
@@ -163,7 +169,7 @@ Image Session::Impl::linearImage(const std::string& name) {
 }
 
 std::vector<std::string> Session::Impl::imageNames() const {
-  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "specular", "direct", "albedo", "normal", "position", "emission", "motion"};
+  std::vector<std::string> known = {"final", "indirect", "indirect_irradiance", "specular", "direct", "direct_specular", "albedo", "normal", "position", "emission", "motion"};
   known.insert(known.end(), std::begin(kReferenceImages), std::end(kReferenceImages));
   for (const DebugView& v : technique->debugViews()) known.push_back(v.id);
   return known;

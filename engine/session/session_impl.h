@@ -43,9 +43,9 @@ struct SurfaceImages {
   std::vector<vec3> map;  ///< radiance of the environment map by pixel; empty without one
 
   bool seen(size_t pixel) const { return position.data[pixel * 4 + 3] != 0; }
-  /// Emission, irradiance times albedo / pi, and indirect specular radiance (without pixels: none); where no surface is seen, the sky. 3 channels.
-  Image composite(const Image& direct, const Image& indirect, const Image& lobes) const;
-  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& lobes) const;
+  /// Emission, irradiance times albedo / pi, and what lobes reflect of direct (`highlights`) and indirect light (without pixels: none); where no surface is seen, the sky. 3 channels.
+  Image composite(const Image& direct, const Image& indirect, const Image& highlights, const Image& lobes) const;
+  ReferenceImage composite(const ReferenceImage& direct, const ReferenceImage& indirect, const ReferenceImage& highlights, const ReferenceImage& lobes) const;
   /// For a reference of such light at these pixels.
   std::shared_ptr<const ReferenceSurfaces> ofReference(Component) const;
   Mask glossy() const;  ///< pixels whose surface has a lobe
@@ -145,7 +145,7 @@ struct Session::Impl {
   double referenceMs = 0, referenceStart = 0;
 
   GBuffer gbuffer;
-  GpuImage directImage, indirectImage, specularImage, finalImage, displayImage;
+  GpuImage directImage, directSpecularImage, indirectImage, specularImage, finalImage, displayImage;
   Buffer displayCounters;
   uint32_t nonFinite = 0, negative = 0;
   std::vector<std::string> imagesWanted;
@@ -232,6 +232,7 @@ struct Session::Impl {
   Mask surfaceMask();          ///< without the rest of surfaceImages()
   Image indirectIrradiance();  ///< at pixels, 4 channels; 0 where the technique gave none
   Image indirectSpecular();    ///< likewise; without pixels where the scene has no glossy surfaces
+  Image directSpecular();      ///< likewise
   int bouncesOf(bool matchedPaths) const { return matchedPaths ? technique->transport().bounces : fullBounces(); }
   /// Of a run, by the number of bounces and by whether lobes are among the paths.
   ReferenceImage lobesOf(const ReferenceRun&, bool matchedPaths) const;

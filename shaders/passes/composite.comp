@@ -7,6 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool kDirect = true;  ///< with direct light come emission and sky; without, the image is indirect light alone
 layout(constant_id = 1) const bool kIndirect = true;
 layout(constant_id = 2) const bool kSpecular = false;
+layout(constant_id = 3) const bool kDirectSpecular = false;
 
 uniform sampler2D position;
 uniform sampler2D albedo;
@@ -14,6 +15,7 @@ uniform sampler2D emission;
 uniform sampler2D direct;
 uniform sampler2D indirect;
 uniform sampler2D specular;
+uniform sampler2D directSpecular;
 layout(rgba32f) writeonly uniform image2D radiance;
 layout(push_constant, scalar) uniform Constants { vec3 sky; };
 
@@ -30,6 +32,7 @@ void main() {
     if (kIndirect) irradiance += texelFetch(indirect, p, 0).rgb;
     sum += irradiance * texelFetch(albedo, p, 0).rgb * kInversePi;
     if (kSpecular) sum += texelFetch(specular, p, 0).rgb;
+    if (kDirectSpecular) sum += texelFetch(directSpecular, p, 0).rgb;
   }
   imageStore(radiance, p, vec4(sum, 1.0));
 }

@@ -19,10 +19,15 @@ struct DirectBatch {
   vec3 sky;          ///< radiance; black: not taken in
   uint skyRays;      ///< 1 where the sky is taken in
   uint environmentRays;  ///< 1 where the environment map is taken in
+  vec3 eye;          ///< where lobes reflect to; of irradiance unused
   EnvironmentInfo environment;
 };
 
 HL_INLINE uint directSlots(DirectBatch b) { return b.lights + b.samples * ((b.emitters > 0u ? 1u : 0u) + b.skyRays + b.environmentRays); }
+
+/// Of lobes: rays to lights, as above but for sky and map; and rays that the lobes choose, which see those, and emitters, where they go.
+HL_INLINE uint lobeLightSlots(DirectBatch b) { return b.lights + b.samples * (b.emitters > 0u ? 1u : 0u); }
+HL_INLINE uint lobeRaySlots(DirectBatch b) { return b.emitters > 0u || b.skyRays > 0u || b.environmentRays > 0u ? b.samples : 0u; }
 
 HL_END
 #endif

@@ -33,7 +33,7 @@ ReferenceImage bucketOfLobes(const ReferenceResult& r, size_t bucket) {
 }
 
 // All walls of a room shine with radiance 1 and reflect rho of it: what they reflect comes in evenly with radiance rho^k of k bounces, and the lobe gives its
-// directional albedo of that. The emission that the lobe sees itself is direct light: with it the sum would be 1 / (1 - rho).
+// directional albedo of that. The emission that the lobe sees itself is direct light, and apart.
 TEST(ReferenceGlossy, UniformLightTimesTheDirectionalAlbedo) {
   constexpr double kRho = 0.5;
   Scene s;
@@ -48,7 +48,7 @@ TEST(ReferenceGlossy, UniformLightTimesTheDirectionalAlbedo) {
     for (int i = 0; i < kEach; ++i)
       receivers.push_back(glossyReceiver(vec3(0.1f * static_cast<float>(i % 8) - 0.35f, -1, 0.1f * static_cast<float>(i / 8) - 0.35f), vec3(0, 1, 0), c.cosine, c.f0, c.roughness));
   ReferenceSettings settings;
-  settings.samplesPerPixel = 512, settings.maxBounces = 3;
+  settings.samplesPerPixel = settings.directSamples = 512, settings.maxBounces = 3;
   const auto r = trace(s, receivers, settings);
   EXPECT_EQ(r->nonFinite, 0u);
   ASSERT_TRUE(r->glossy());
@@ -60,7 +60,7 @@ TEST(ReferenceGlossy, UniformLightTimesTheDirectionalAlbedo) {
       EXPECT_NEAR(e.value, radiance * albedo, 4 * e.error + 1.5e-3 * radiance) << i;
       EXPECT_LT(e.error, 5e-3 * radiance) << i;
     };
-    check(first, kRho), check(second, kRho * kRho), check(all, kRho + kRho * kRho + kRho * kRho * kRho);
+    check(r->directSpecularImage(), 1), check(first, kRho), check(second, kRho * kRho), check(all, kRho + kRho * kRho + kRho * kRho * kRho);
   }
 }
 
@@ -89,6 +89,39 @@ TEST(ReferenceGlossy, SmoothPanelIsAMirror) {
   EXPECT_NEAR(e.value, radiance * ggxF(0.7, static_cast<double>(cosine)), 4 * e.error + 5e-3 * radiance);
   // The wall is alone: nothing comes after one bounce.
   EXPECT_EQ(meanOf(bucketOfLobes(*r, 1)).value, 0);
+}
+
+// A highlight is the lobe's value, without noise; of a sky, its directional albedo.
+TEST(ReferenceGlossy, HighlightsOfLampsAndSky) {
+  Scene s;
+  addQuad(s, vec3(-50, -1, -50), vec3(0, 0, 100), vec3(100, 0, 0), addMaterial(s, vec3(0.0f)));
+  const vec3 lamp(0.7f, 1.5f, -0.3f), sun = glm::normalize(vec3(-0.5f, -1, 0.2f));
+  s.pointLights.push_back(pointLight(lamp, 10));
+  DirectionalLight d;
+  d.direction = sun, d.irradiance = vec3(3);
+  s.directionalLights.push_back(d);
+  struct Case {
+    float cosine, f0, roughness;
+  };
+  const std::vector<Case> cases = {{0.8f, 0.5f, 0.5f}, {0.4f, 0.04f, 0.2f}, {0.9f, 1, 1}};
+  std::vector<Receiver> receivers;
+  for (const Case& c : cases) receivers.push_back(glossyReceiver(vec3(0.0f), vec3(0, 1, 0), c.cosine, c.f0, c.roughness));
+  ReferenceSettings settings;
+  settings.samplesPerPixel = 2, settings.directSamples = 4096;
+  const auto highlights = [&] { return trace(s, receivers, settings)->directSpecularImage(); };
+  const ReferenceImage punctual = highlights();
+  s.pointLights.clear(), s.directionalLights.clear(), s.sky = vec3(2);
+  const ReferenceImage sky = highlights();
+  for (size_t i = 0; i < cases.size(); ++i) {
+    const double f0 = static_cast<double>(cases[i].f0), roughness = static_cast<double>(cases[i].roughness);
+    const auto local = [](vec3 v) { return glm::normalize(glm::dvec3(shared::toLocal(v, vec3(0, 1, 0)))); };
+    const auto of = [&](vec3 to, double irradianceFacing) { return irradianceFacing * local(to).z * ggxLobe(local(receivers[i].view), local(to), f0, roughness * roughness); };
+    const double truth = of(lamp, 10 / static_cast<double>(glm::dot(lamp, lamp))) + of(-sun, 3);
+    EXPECT_NEAR(static_cast<double>(punctual.mean.data[3 * i]), truth, 1e-3 * truth) << i;
+    EXPECT_EQ(punctual.halfA.data[3 * i], punctual.halfB.data[3 * i]);
+    const Estimate e = meanOf(sky, i, i + 1, false);
+    EXPECT_NEAR(e.value, 2 * directionalAlbedo(f0, static_cast<double>(cases[i].cosine), roughness), 0.02) << i;
+  }
 }
 
 TEST(ReferenceGlossy, LightFromBelowTheSurfaceDoesNotCount) {
@@ -164,7 +197,11 @@ TEST_F(ReferenceGlossyRun, ResumesToTheSameBits) {
   second->resume();
   EXPECT_GT(second->done(), 0.4) << "nothing was found in the cache";
   const auto resumed = traceAll(*second);
-  for (size_t half = 0; half < 2; ++half) expectSame(whole->specular[half], resumed->specular[half]), expectSame(whole->indirect[half], resumed->indirect[half]);
+  for (size_t half = 0; half < 2; ++half) {
+    expectSame(whole->specular[half], resumed->specular[half]);
+    expectSame(whole->indirect[half], resumed->indirect[half]);
+    EXPECT_EQ(whole->directSpecular[half].data, resumed->directSpecular[half].data);
+  }
   second->store();
   // Halves are independent: equal ones would tell of no noise.
   EXPECT_NE(whole->specular[0][0].data, whole->specular[1][0].data);

@@ -33,12 +33,12 @@ TEST_F(GlossySession, TheReferenceHasTheLobesLight) {
   EXPECT_EQ(result->nonFinite, 0u);
   // The picture is what falls on the surfaces, and what their lobes send.
   const Image whole = session->image("reference"), direct = session->image("reference_direct"), indirect = session->image("reference_indirect");
-  const Image albedo = session->image("albedo"), emission = session->image("emission");
+  const Image albedo = session->image("albedo"), emission = session->image("emission"), highlights = session->image("reference_direct_specular");
   size_t glossy = 0, diffuse = 0;
   for (size_t p = 0; p < whole.pixels(); ++p) {
     for (size_t c = 0; c < 3; ++c) {
       const size_t i = 3 * p + c;
-      const float truth = emission.data[i] + (direct.data[i] + indirect.data[i]) * albedo.data[i] / kPi + lobes.data[i];
+      const float truth = emission.data[i] + (direct.data[i] + indirect.data[i]) * albedo.data[i] / kPi + lobes.data[i] + highlights.data[i];
       ASSERT_NEAR(whole.data[i], truth, 1e-5f * truth);
       EXPECT_EQ(matched.data[i], 0) << "none models no lobes";
     }
@@ -76,6 +76,47 @@ TEST_F(GlossySession, TheReferenceHasTheLobesLight) {
     EXPECT_EQ(session->frame()->view, view);
   }
   expectNoMessages(*session);
+}
+
+// The picture's highlights against the reference's: two implementations that share the lobe alone.
+TEST_F(GlossySession, HighlightsAreTheReferences) {
+  const std::string lamps = R"([{"type": "point", "name": "lamp", "position": [0.5, 1.5, 1], "intensity": 4}, {"type": "spot", "name": "spot", "position": [-0.5, 1.9, 0.5],
+    "direction": [0.1, -1, 0], "intensity": 6, "inner_degrees": 20, "outer_degrees": 40}, {"type": "directional", "name": "sun", "direction": [0.2, -1, -0.6], "irradiance": 2}])";
+  const auto scene = [&](const std::string& light) {
+    return folder.write("scene.json", R"({"version": 1, "shapes": [
+      {"type": "quad", "name": "floor", "material": "floor", "corners": [[-2, 0, 2], [2, 0, 2], [2, 0, -2], [-2, 0, -2]]},
+      {"type": "box", "name": "block", "material": "block", "min": [-0.5, 0, -0.9], "max": [0.1, 0.7, -0.3]},
+      {"type": "quad", "name": "panel", "material": "shining", "corners": [[-1.2, 0.2, -1.5], [1.2, 0.2, -1.5], [1.2, 1.2, -1.5], [-1.2, 1.2, -1.5]]}],
+      "materials": {"floor": {"albedo": 0.3, "specular": 0.5, "roughness": 0.3}, "block": {"albedo": 0.2, "specular": 0.7, "roughness": 0.15}, "shining": {"albedo": 0.2)" +
+                                        light + R"(,
+      "cameras": [{"name": "view", "position": [0.3, 1.2, 2.5], "target": [0, 0.2, 0], "vertical_fov_degrees": 45}]})");
+  };
+  struct Case {
+    const char* name;
+    std::string light;
+    double most;  ///< of the rms difference, as a share of the rms
+  };
+  for (const Case& c : {Case{"punctual", R"(}}, "lights": )" + lamps, 2e-3}, Case{"panel and sky", R"(, "emission": 5}}, "sky": 0.5)", 0.06}}) {
+    auto session = makeSession();
+    Preset preset = smallPreset(scene(c.light), "none");
+    preset.parameters["direct.samples"] = preset.parameters["reference.direct_samples"] = "512";
+    preset.parameters["reference.samples"] = "2";
+    session->load(preset);
+    session->settle();
+    session->reference();
+    const Image ours = session->image("direct_specular"), truth = session->image("reference_direct_specular");
+    double difference = 0, square = 0, sum = 0, truthSum = 0;
+    for (size_t i = 0; i < truth.data.size(); ++i) {
+      const double a = static_cast<double>(ours.data[i]), b = static_cast<double>(truth.data[i]);
+      ASSERT_TRUE(std::isfinite(a));
+      difference += (a - b) * (a - b), square += b * b, sum += a, truthSum += b;
+    }
+    std::printf("%s: rms difference %.4f of the rms, means' ratio %.5f\n", c.name, std::sqrt(difference / square), sum / truthSum);
+    EXPECT_GT(square, 0);
+    EXPECT_LT(std::sqrt(difference / square), c.most) << c.name;
+    EXPECT_NEAR(sum / truthSum, 1, 0.01) << c.name;
+    expectNoMessages(*session);
+  }
 }
 
 TEST_F(GlossySession, WithoutGlossySurfacesThereIsNothingOfIt) {

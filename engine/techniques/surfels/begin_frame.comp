@@ -13,6 +13,8 @@ void main() {
   totals.lastPriority = totals.priority;
   totals.lastYoung = totals.young;
   totals.priority = 0u;
-  totals.entries = totals.largestCell = totals.largestTile = totals.inView = totals.young = 0u;
-  for (uint i = 0u; i < kSurfelCounters; ++i) totals.counters[i] = 0u;
+  totals.inView = totals.young = 0u;
+  if (frame.listed != 0u) totals.entries = totals.largestCell = totals.largestTile = 0u;
+  for (uint i = 0u; i < kSurfelCounters; ++i)
+    if (frame.listed != 0u || (i != kCountCellOverflows && i != kCountDroppedLists)) totals.counters[i] = 0u;  // what the lists lack they lack until they are made anew
 }

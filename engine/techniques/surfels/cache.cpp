@@ -12,6 +12,9 @@ namespace {
 constexpr uint64_t kDepthBytes = uint64_t{shared::kDepthSide} * shared::kDepthSide * sizeof(vec2);
 constexpr uint64_t kGuideBytes = uint64_t{shared::kGuideSide} * shared::kGuideSide * sizeof(float);
 
+/// From this share of tiles or hits on that lack surfels they are placed in every frame, provided that this share of the memory is free.
+constexpr float kManyLack = 1.0f / 64.0f;
+
 void checkSize(const Device& device, const char* what, uint64_t bytes) {
   if (bytes > device.maxStorageBufferBytes())
     throw Error(ErrorKind::TooLarge, std::string("surfels: ") + what + " take " + std::to_string(bytes) + " bytes, a buffer of this device holds " +
@@ -60,7 +63,8 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
 }
 
 void SurfelCache::restart() {
-  frame_ = harvested_ = 0;
+  frame_ = harvested_ = lastPlaced_ = 0;
+  listsStand_ = false;
   age_ = 0;
   last_ = {};
   sums_ = {};
@@ -78,6 +82,18 @@ void SurfelCache::harvest() {
   last_ = t;
   for (size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<double>(t.counters[i]);
   raysCast_ += lastFrame_.rays;
+}
+
+bool SurfelCache::moved(const FrameInputs& in, const shared::SurfelFrame& f) const {
+  const shared::SurfelFrame& l = lastFrame_;
+  return frame_ == 0 || in.cameraMoved || in.geometryMoved || f.eye != l.eye || f.forward != l.forward || f.right != l.right || f.down != l.down || f.width != l.width ||
+         f.height != l.height || f.pixelAngle != l.pixelAngle || f.lists != l.lists;
+}
+
+bool SurfelCache::lacksSurfels(const SurfelsParams& params) const {
+  const auto many = [](uint32_t some, uint32_t of) { return static_cast<float>(some) > kManyLack * static_cast<float>(of); };
+  if (!many(maxSurfels_ - std::min(last_.alive, maxSurfels_), maxSurfels_)) return false;  // there is no memory for them
+  return many(last_.counters[shared::kCountPlacedPixels], lastFrame_.tiles) || (params.spawn_at_hits != 0 && many(last_.counters[shared::kCountUncoveredHits], last_.counters[shared::kCountHits]));
 }
 
 /// Buffers by ray and by candidate grow by half, at least, and never shrink.
@@ -122,7 +138,7 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
     const float least = params.sizing == kSizingScreen ? shared::kLeastRadius * f.radiusMax : f.radius;
     const float perMetre = params.sizing == kSizingScreen ? params.radius_pixels * f.pixelAngle : 0;
     const float most = params.sizing == kSizingScreen ? f.radiusMax : std::max(f.radius, std::min(params.hit_reach * f.radius, f.radiusMax));
-    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, std::min(params.hit_reach * least, most), params.hit_reach * perMetre, most);
+    const CameraGridPlan around = planCameraGrid(scene_.scene.bounds, f.eye, std::min(least, most), perMetre, most);
     f.grid = around.shape;
     f.cells = around.cells;
     std::copy(around.regions.begin(), around.regions.end(), f.regions);
@@ -143,6 +159,9 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   const double young = last_.alive > 0 ? static_cast<double>(last_.young) / static_cast<double>(shared::kYoungUnit) : 0;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
   f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * (counted + young)), static_cast<long long>(most)));
+  const bool moves = moved(in, f);
+  f.places = f.frozen == 0 && (moves || lacksSurfels(params) || frame_ - lastPlaced_ >= static_cast<uint32_t>(params.place_every)) ? 1 : 0;
+  f.listed = f.surfels > 0 && (moves || !listsStand_) ? 1 : 0;
   f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
   f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);
   f.candidates = f.tiles + f.rays;

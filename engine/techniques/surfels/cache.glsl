@@ -19,6 +19,8 @@ void countOne(uint which) { atomicAdd(totals.counters[which], 1u); }
 
 #ifdef HL_SURFELS_STATES
 layout(scalar) buffer states_block { SurfelState states[]; };
+/// Whether a surfel counts as in view.
+bool seenLately(uint lastSeen) { return frame.frame - lastSeen <= kRecentFrames; }
 #endif
 
 #ifdef HL_SURFELS_RECORDS
@@ -52,8 +54,10 @@ float radiusAt(vec3 position) {
   return clamp(surfels.radius_pixels * frame.pixelAngle * distance(position, frame.eye), kLeastRadius * frame.radiusMax, frame.radiusMax);
 }
 
-/// How far a surfel of this radius lights where rays land: never beyond radius_max, by which far surfels are bounded already.
+/// How far a surfel lights where rays land: one out of view farther, but never beyond radius_max, by which far surfels are bounded already.
 float hitRadiusOf(float radius) { return max(radius, min(surfels.hit_reach * radius, frame.radiusMax)); }
+/// The same from what a record has for its radius.
+float reachOf(float signedRadius) { return signedRadius < 0.0 ? hitRadiusOf(-signedRadius) : signedRadius; }
 
 // ---------------------------------------------------------------------------------------------------------------- look-ups
 
@@ -90,14 +94,15 @@ struct Gathered {
 
 /// `atHit`: with the reach it has where rays land.
 float surfelWeight(vec3 p, vec3 n, bool atHit, uint id, vec4 placeRadius, vec3 surfelNormal) {
-  if (placeRadius.w <= 0.0) return 0.0;
+  if (placeRadius.w == 0.0) return 0.0;
+  const float radius = abs(placeRadius.w);
   const vec3 to = p - placeRadius.xyz;
-  const float t2 = surfelDistance2(to, surfelNormal, atHit ? hitRadiusOf(placeRadius.w) : placeRadius.w, surfels.normal_squash);
+  const float t2 = surfelDistance2(to, surfelNormal, atHit ? reachOf(placeRadius.w) : radius, surfels.normal_squash);
   if (t2 >= 1.0) return 0.0;
   float weight = surfelFalloff(t2) * max(0.0, dot(n, surfelNormal));
   if (kDepthTest && weight > 0.0) {
     const vec2 moments = depthMoments[id * kDepthSide * kDepthSide + depthTexel(to, surfelNormal)];
-    weight *= depthVisibility(moments, depthAcross(to, surfelNormal) / placeRadius.w, surfels.depth_softness);
+    weight *= depthVisibility(moments, depthAcross(to, surfelNormal) / radius, surfels.depth_softness);
   }
   return weight;
 }
@@ -110,7 +115,7 @@ void fillGap(vec3 p, vec3 n, uint first, uint end, inout Gathered g) {
     const vec4 place = texelFetch(records, int(kRecordTexels * id));
     const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));
     const float facing = dot(n, normal.xyz);
-    if (place.w <= 0.0 || facing <= 0.0 || normal.w <= 0.0) continue;
+    if (place.w == 0.0 || facing <= 0.0 || normal.w <= 0.0) continue;
     const vec3 to = p - place.xyz;
     const float along = dot(to, normal.xyz);
     const float d2 = (dot(to, to) + (surfels.normal_squash * surfels.normal_squash - 1.0) * along * along) + softening;

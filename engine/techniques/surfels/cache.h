@@ -36,6 +36,10 @@ class SurfelCache {
     Buffer rays, hits, samples, arrivals;
   };
   void harvest();
+  /// Whether any surfel may stand elsewhere, or reach another list, than in the last frame.
+  bool moved(const FrameInputs&, const shared::SurfelFrame&) const;
+  /// Whether tiles or hits lack surfels in such numbers that the next frame should place more.
+  bool lacksSurfels(const SurfelsParams&) const;
   void reserve(const shared::SurfelFrame&, bool splat);
   shared::SurfelFrame frameOf(const FrameInputs&, const SurfelsParams&) const;
   void recordClears(FrameGraph&, const shared::SurfelFrame&);
@@ -66,6 +70,8 @@ class SurfelCache {
   Ray ray_;
 
   uint32_t frame_ = 0;       ///< recorded since the restart
+  uint32_t lastPlaced_ = 0;  ///< frame
+  bool listsStand_ = false;  ///< nothing was placed or removed since they were made
   float age_ = 0;            ///< SurfelFrame::age of the last one
   uint32_t harvested_ = 0;   ///< stamp of the last totals that were read
   shared::SurfelTotals last_{};

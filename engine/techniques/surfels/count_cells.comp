@@ -26,7 +26,7 @@ void main() {
     position = (t.restToWorld * vec4(position, 1.0)).xyz;
     normal = normalize(transpose(mat3(t.worldToRest)) * normal);
   }
-  const float radius = radiusAt(position);
+  const float radius = seenLately(states[id].lastSeen) ? radiusAt(position) : -radiusAt(position);
   records[kRecordTexels * id] = vec4(position, radius);
   records[kRecordTexels * id + 1u].xyz = normal;
   visitLists(position, normal, radius, id);

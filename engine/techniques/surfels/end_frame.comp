@@ -9,7 +9,7 @@ layout(local_size_x = 1) in;
 layout(scalar) readonly buffer placed_order { uint placedOrder[]; };
 
 void main() {
-  const uint placed = frame.frozen != 0u ? 0u : placedOrder[frame.candidates];
+  const uint placed = frame.places == 0u ? 0u : placedOrder[frame.candidates];
   const uint reused = min(placed, totals.freeCount);
   const uint fresh = min(placed - reused, frame.maxSurfels - totals.highWater);
   const uint recycled = totals.counters[kCountRecycled];

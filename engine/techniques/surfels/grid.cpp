@@ -38,7 +38,7 @@ namespace {
 /// Least share of its distance that a cell's edge is: finer ones would only be empty.
 constexpr float kLeastEdge = 0.02f;
 constexpr float kMostEdge = 4;
-/// A cell's edge in radii of the surfels there: so that one reaches two along each axis, three at most.
+/// A cell's edge in radii of the surfels there: so that one in view reaches two along each axis, three at most, as one does that reaches twice as far.
 constexpr float kEdgeInRadii = 2;
 
 CameraGridPlan planWithShape(const Bounds& bounds, vec3 eye, const shared::GridShape& shape) {

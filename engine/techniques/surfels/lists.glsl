@@ -63,8 +63,9 @@ void visitTiles(vec3 position, vec3 normal, float radius, uint id) {
     }
 }
 
-void visitLists(vec3 position, vec3 normal, float radius, uint id) {
-  visitCells(position, normal, hitRadiusOf(radius), id);
-  if (kSplat) visitTiles(position, normal, radius, id);
+/// `signedRadius` as in the records.
+void visitLists(vec3 position, vec3 normal, float signedRadius, uint id) {
+  visitCells(position, normal, reachOf(signedRadius), id);
+  if (kSplat) visitTiles(position, normal, abs(signedRadius), id);
 }
 #endif

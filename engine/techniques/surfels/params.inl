@@ -33,6 +33,8 @@ PARAM_FLOAT(radius_max, 0.02, 1e-3, 0.25, 5e-3, 0.1, Log, Rebuild, "of diagonal"
 PARAM_FLOAT(normal_squash, 4, 1, 64, 1, 16, Log, Reset, "times",
             "How much more a distance along a surfel's normal counts than one across it (Mahalanobis metric).")
 PARAM_FLOAT(coverage, 1, 0.05, 4, 0.25, 2, Log, Live, "weight", "A tile's least covered pixel gets a surfel when the surfels there weigh less than this.")
+PARAM_INT(place_every, 8, 1, 1024, 1, 64, Log, Live, "frames",
+          "While nothing moves, surfels are placed and removed in one of so many frames, and only then cells are listed anew; in every frame as long as many tiles or hits lack surfels. 1: always (the thesis).")
 PARAM_FLOAT(place_chance, 1, 0, 1, 0.02, 1, Linear, Live, "probability", "Whether a tile that wants a surfel gets it in this frame (0.08 in the thesis).")
 PARAM_BOOL(chance_by_size, false, Live, "Lowers the chance where a surfel is larger on screen than a tile, so that neighbouring tiles do not place it twice.")
 PARAM_BOOL(claim_places, true, Live, "At most one new surfel a frame in a cube of about its diameter, so that tiles and rays do not place the same one twice. Off in the thesis.")

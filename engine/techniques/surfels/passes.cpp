@@ -10,30 +10,33 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   reserve(f, splat);
   recordClears(graph, f);
   recordTileDepths(graph, f, in.gbuffer, splat);
-  if (f.surfels > 0)
+  if (f.listed != 0)
     grid_->record(graph, *prefix_, f, params, sites_, states_, records_, totals_, scene_.gpuScene.objectTransforms,
                   splat ? tileDepths_ : Buffer());
   else
-    graph.skip("surfels: count cells", "there is no surfel yet");
+    graph.skip("surfels: count cells", f.surfels == 0 ? "there is no surfel yet" : "the lists are the last frame's");
   if (f.rays > 0)
     recordRays(graph, f, params);
   else
     graph.skip("surfels: cast rays", f.surfels == 0 ? "there is no surfel yet" : "ray_budget is 0");
   if (f.surfels > 0) recordUpdate(graph, f, params);
   recordGather(graph, f, params, in.gbuffer, result);
-  if (f.frozen == 0)
+  const char* const unchanged = f.frozen != 0 ? "the cache is frozen" : "nothing moves, and place_every has not passed";
+  if (f.places != 0)
     recordPlace(graph, f, params, in.gbuffer, result);
   else
-    graph.skip("surfels: place", "the cache is frozen");
-  if (f.surfels > 0 && params.recycle != 0 && f.frozen == 0)
+    graph.skip("surfels: place", unchanged);
+  if (f.surfels > 0 && params.recycle != 0 && f.places != 0)
     recordRecycle(graph, f, params);
   else
-    graph.skip("surfels: recycle", params.recycle == 0 ? "switched off" : f.frozen != 0 ? "the cache is frozen" : "there is no surfel yet");
+    graph.skip("surfels: recycle", params.recycle == 0 ? "switched off" : f.places == 0 ? unchanged : "there is no surfel yet");
   graph.compute("surfels: end frame", "surfels/end_frame.comp")
       .bind("totals", totals_, Access::ReadWrite)
       .bind("placedOrder", placeOrder_, Access::Read)
       .uniform("frame", f)
       .dispatch(1);
+  if (f.listed != 0 || f.places != 0) listsStand_ = f.places == 0;
+  if (f.places != 0) lastPlaced_ = f.frame;
   lastFrame_ = f;
   age_ = f.age;
   ++frame_;
@@ -41,7 +44,10 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
 
 void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f) {
   graph.compute("surfels: begin frame", "surfels/begin_frame.comp").bind("totals", totals_, Access::ReadWrite).uniform("frame", f).dispatch(1);
-  graph.clear("surfels: clear claims", claims_, 0xffffffffu);
+  if (f.places != 0)
+    graph.clear("surfels: clear claims", claims_, 0xffffffffu);
+  else
+    graph.skip("surfels: clear claims", "no surfel is placed");
   if (f.frame == 0) {
     graph.clear("surfels: clear records", records_);
     graph.clear("surfels: clear estimates", states_);
@@ -51,8 +57,8 @@ void SurfelCache::recordClears(FrameGraph& graph, const shared::SurfelFrame& f) 
 }
 
 void SurfelCache::recordTileDepths(FrameGraph& graph, const shared::SurfelFrame& f, const GBuffer& g, bool splat) {
-  if (!splat || f.surfels == 0) {
-    graph.skip("surfels: tile depths", splat ? "there is no surfel yet" : "pixels ask the grid");
+  if (!splat || f.listed == 0) {
+    graph.skip("surfels: tile depths", !splat ? "pixels ask the grid" : f.surfels == 0 ? "there is no surfel yet" : "the lists are the last frame's");
     return;
   }
   graph.compute("surfels: tile depths", "surfels/tile_depths.comp")

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/techniques/surfels/cache.h"
 
@@ -86,9 +87,10 @@ PickReport SurfelCache::pick(const PickedPoint& point, const SurfelsParams& para
     vec4 record[shared::kRecordTexels];
     device_.download(records_, record, sizeof record, id * sizeof record);
     const vec3 place(record[0]), normal(record[1]), light(record[2]);
-    if (!(record[0].w > 0)) continue;
+    const float radius = std::abs(record[0].w);
+    if (!(radius > 0)) continue;
     const vec3 to = point.position - place;
-    const float falloff = shared::surfelFalloff(shared::surfelDistance2(to, normal, record[0].w, params.normal_squash));
+    const float falloff = shared::surfelFalloff(shared::surfelDistance2(to, normal, radius, params.normal_squash));
     const float facing = std::max(0.0f, glm::dot(point.normal, normal));
     if (!(falloff * facing > 0)) continue;
     float visible = 1;
@@ -96,7 +98,7 @@ PickReport SurfelCache::pick(const PickedPoint& point, const SurfelsParams& para
       constexpr uint32_t kTexels = shared::kDepthSide * shared::kDepthSide;
       vec2 moments;
       device_.download(depth_, &moments, sizeof moments, (id * kTexels + shared::depthTexel(to, normal)) * sizeof moments);
-      visible = shared::depthVisibility(moments, shared::depthAcross(to, normal) / record[0].w, params.depth_softness);
+      visible = shared::depthVisibility(moments, shared::depthAcross(to, normal) / radius, params.depth_softness);
     }
     const float weight = falloff * facing * visible * record[1].w;
     coverage += static_cast<double>(falloff * facing * visible);

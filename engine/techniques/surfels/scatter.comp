@@ -21,6 +21,6 @@ void main() {
   const uint id = gl_GlobalInvocationID.x;
   if (id >= frame.surfels) return;
   const vec4 place = records[kRecordTexels * id];
-  if (place.w <= 0.0) return;
+  if (place.w == 0.0) return;
   visitLists(place.xyz, records[kRecordTexels * id + 1u].xyz, place.w, id);
 }

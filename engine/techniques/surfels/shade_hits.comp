@@ -38,7 +38,7 @@ void main() {
       if (g.coverage <= 0.0) countOne(kCountUncoveredHits);
       if (g.weight <= 0.0) countOne(kCountUnlitHits);
       if (g.nearest != kNoSurfel) states[g.nearest].lastUsed = frame.frame;
-      if (surfels.spawn_at_hits != 0 && frame.frozen == 0u && g.coverage < surfels.hit_coverage) {
+      if (surfels.spawn_at_hits != 0 && frame.places != 0u && g.coverage < surfels.hit_coverage) {
         propose(wanted, point.position, point.geometricNormal, point.triangle, g.irradiance, g.weight);
         wants = true;
       }
@@ -54,6 +54,6 @@ void main() {
       countOne(kCountBlackHits);
     }
   }
-  if (!wants && frame.frozen == 0u) proposeNothing(wanted);
+  if (!wants && frame.places != 0u) proposeNothing(wanted);
   arrivals[ray] = arrival;
 }

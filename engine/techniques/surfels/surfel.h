@@ -32,7 +32,8 @@ struct SurfelState {
   uint priority;         ///< low half: its part in ray_budget, 0: free; high half: rays beyond it, in 1/kYoungUnit
 };
 
-/// What look-ups read, three vec4 a surfel: world position and radius (0: free), world normal and confidence, irradiance and 0.
+/// What look-ups read, three vec4 a surfel: world position and radius (0: free; negative: of one out of view, which reaches farther where rays land), world normal and
+/// confidence, irradiance and 0.
 HL_CONST uint kRecordTexels = 3u;
 
 /// A ray's place in its surfel's sequence.
@@ -119,6 +120,8 @@ struct SurfelFrame {
   float diagonal;     ///< of the scene [m]
   uint frozen;        ///< 1: nothing is placed or removed
   uint justFrozen;    ///< 1: since this frame
+  uint places;        ///< 1: surfels are placed and removed in this frame
+  uint listed;        ///< 1: lists are made in this frame, else they are those of an earlier one
   uint lightChanged;  ///< 1: lights are not what they were
   float age;          ///< frames since the cache began, or since lights changed as many as change_samples
 };

@@ -87,7 +87,7 @@ void main() {
   // A window of the latest n-th of N samples is worth N / n of them in a plain mean.
   if (frame.justFrozen != 0u && surfels.estimator == kEstimatorMean) s.samples /= max(1.0, windowGrowthOf(s, sites[id].birth));
   const uint first = frame.rays > 0u ? firstRay(shareSums[id]) : 0u, end = frame.rays > 0u ? firstRay(shareSums[id + 1u]) : 0u;
-  const float radius = records[kRecordTexels * id].w;
+  const float radius = abs(records[kRecordTexels * id].w);
   vec3 sum = vec3(0.0);
   float count = 0.0;
   for (uint ray = first; ray < end; ++ray) {
@@ -122,7 +122,7 @@ void main() {
     records[kRecordTexels * id + 1u].w = confidence;
     records[kRecordTexels * id + 2u] = vec4(s.mean, 0.0);
   }
-  const bool seen = frame.frame - s.lastSeen <= kRecentFrames;
+  const bool seen = seenLately(s.lastSeen);
   float young = 0.0;
   if (seen) {
     const float growth = max(windowGrowth(s.samples), 1.0);
