@@ -42,8 +42,8 @@ PARAM_BOOL(fill_gaps, true, Live, "Where no surfel reaches, those of the grid's 
 PARAM_BOOL(spawn_at_hits, true, Live,
            "A ray that hits a surface without a surfel near may place one, also where the camera never looked. Off in the thesis: bounces from unseen surfaces are then lost.")
 PARAM_FLOAT(hit_coverage, 0.05, 0.001, 2, 0.01, 1, Log, Live, "weight", "A hit counts as having no surfel near when the surfels there weigh less than this.")
-PARAM_FLOAT(hit_reach, 2, 1, 2, 1, 2, Linear, Rebuild, "radii",
-            "How far a surfel lights where rays land, at most the largest radius. At 2 what no pixel sees takes a quarter of the surfels, and later bounces are as much coarser. 1 in the thesis.")
+PARAM_FLOAT(hit_reach, 3, 1, 4, 1, 4, Linear, Rebuild, "radii",
+            "How far a surfel out of view lights where rays land, at most the largest radius. What no pixel sees takes as many fewer surfels as its square, and later bounces are coarser. 1 in the thesis.")
 PARAM_ENUM(grid, SurfelGridKind, kGridCamera, Rebuild, "Cells by which surfels near a point are found.")
 PARAM_INT(cell_limit, 512, 8, 4096, 16, 1024, Log, Live, "surfels", "A look-up reads at most so many surfels of its cell: those with the lowest numbers, in every frame the same. Cells beyond it are counted.")
 PARAM_FLOAT(ray_budget, 1, 0, 64, 0.25, 16, Log, Live, "rays a surfel", "Rays a frame, on average over all surfels. 0 casts none.")

@@ -137,7 +137,7 @@ HL_CONST uint kPriorityMask = 0xffffu;
 HL_CONST uint kMaxPriority = 4095u;  ///< so that 2^20 of them fit a word
 HL_CONST uint kDepthSide = 4u;
 HL_CONST uint kGuideSide = 6u;
-HL_CONST float kDepthRange = 2.0f;   ///< distances are remembered up to so many radii (the surfel's diameter)
+HL_CONST float kDepthRange = 2.0f;   ///< distances are remembered up to so many radii at least (the surfel's diameter), up to hit_reach where that is more
 HL_CONST uint kRecentFrames = 4u;    ///< a surfel counts as in view for so long
 
 HL_INLINE uint squareTo16(vec2 u) { return min(uint(u.x * 65536.0f), 65535u) | (min(uint(u.y * 65536.0f), 65535u) << 16u); }

@@ -99,7 +99,7 @@ void main() {
     // Each texel's share of the rays so far decides how fast it learns.
     if (kDepthTest) {
       const uint texel = id * kDepthSide * kDepthSide + squareTexel(square, kDepthSide);
-      const float d = min(arrival.w / radius * length(sampleDisc(square)), kDepthRange);
+      const float d = min(arrival.w / radius * length(sampleDisc(square)), max(kDepthRange, surfels.hit_reach));
       const float share = max(kDepthBlend, 1.0 / (1.0 + float(s.rays + ray - first) / float(kDepthSide * kDepthSide)));
       const vec2 known = depthMoments[texel];
       depthMoments[texel] = known.x < 0.0 ? vec2(d, d * d) : mix(known, vec2(d, d * d), share);
