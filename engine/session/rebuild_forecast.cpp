@@ -63,6 +63,7 @@ std::string forecastText(const RebuildForecast& f) {
   if (f.basis == ForecastBasis::OtherScene) text += " (by another scene's speed)";
   if (f.basis == ForecastBasis::Calibrated) text += " (roughly: no such work was done here yet)";
   text += fmt::format("; {} rays, {:.3g} MB", amountText(f.work.rays), f.work.bytes / 1e6);
+  if (f.work.bytesMore > 0) text += fmt::format(" and at most {:.3g} MB more", f.work.bytesMore / 1e6);
   if (f.work.bytesBefore > 0) text += fmt::format(", {:.3g} MB before compression", f.work.bytesBefore / 1e6);
   return text;
 }

@@ -6,6 +6,7 @@
 #include "engine/core/spherical_harmonics64.h"
 #include "engine/scene/scene_file.h"
 #include "engine/techniques/srp/precomputation.h"
+#include "engine/techniques/srp/probe_frame.h"
 #include "tests/session_fixture.h"
 #include "tests/point_light_cube.h"
 #include "tests/srp_harness.h"
@@ -39,7 +40,7 @@ TEST_F(SrpFurnace, EveryOrderAndStorage) {
 TEST_F(SrpFurnace, CompressedTo32Vectors) {
   const double exact = static_cast<double>(kPi) * 0.8 / 0.2;
   SrpHarness h(loadScene("furnace_box_080"));
-  h.set("srp.receiver_rays", "128").set("direct.lumel_samples", "64").set("srp.compression", "cpca").set("srp.pca_vectors", "32");
+  h.set("srp.least_clusters", "1").set("srp.receiver_rays", "128").set("direct.lumel_samples", "64").set("srp.compression", "cpca").set("srp.pca_vectors", "32");
   for (const char* clustering : {"aabb", "lbg"}) {
     for (const char* keep : {"false", "true"}) {
       h.set("srp.clustering", clustering).set("srp.pca_keep_constant", keep);
@@ -91,21 +92,24 @@ TEST(SrpTransport, HalfASkyIsExactFromOrderOne) {
       Buffer triangles = h.device->buffer("triangles", tables.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
       h.device->upload(triangles, tables.triangles.data(), tables.triangles.size() * sizeof(vec4));
       SrpParams params;
-      params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0;
+      params.sh_order = order, params.receiver_rays = 1024, params.compression = kCompressionNone, params.cache = 0, params.surface_share = 0;
       Gpu gpu{*h.device, *h.shaders};
       const SceneView view{h.scene, h.features, h.gpuScene, *h.tracer, *h.directLight, h.pool, &h.atlas, h.lightmap, h.direct, 1, &h.placed};
       const Buffer lumelOfTexel = h.device->buffer("lumel of texel", std::span<const uint32_t>(tables.lumelOfTexel));
-      Precomputation work(gpu, view, params, triangles, lumelOfTexel, h.progress);
+      Precomputation work(gpu, view, params, triangles, lumelOfTexel, nullptr, h.progress);
       while (!work.work().settled()) work.recordUnit(*h.graph), h.graph->execute();
       // The sky's coefficients: zonal about y, 2 pi times the integral of P_l over [0, 1], times Y_lm(y).
-      const sh64::ShCoefficients axis = sh64::shBasis(order, glm::dvec3(0, 1, 0));
       const double integral[] = {1, 0.5, 0, -0.125, 0, 0.0625, 0, -0.0390625, 0};
-      for (const ClusterTransport& t : work.transport())
-        for (uint32_t r = 0; r < t.receivers; ++r) {
+      std::vector<sh64::ShCoefficients> axes;  // y in each probe's frame
+      for (uint32_t p = 0; p < h.placed.count(); ++p)
+        axes.push_back(sh64::shBasis(order, glm::dvec3(shared::rotated(vec3(0, 1, 0), shared::inverseRotation(shared::probeFrame(view.seed, p))))));
+      for (size_t c = 0; c < work.transport().size(); ++c)
+        for (uint32_t r = 0; r < work.transport()[c].receivers; ++r) {
+          const ClusterTransport& t = work.transport()[c];
           double e = 0;
           for (uint32_t i = 0; i < t.columns; ++i) {
             const int j = static_cast<int>(i) % sh64::shCount(order), l = static_cast<int>(std::sqrt(j + 0.5));
-            e += static_cast<double>(t.weights[size_t{r} * t.rank + i]) * 2 * static_cast<double>(kPi) * integral[l] * axis.c[j];
+            e += static_cast<double>(t.weights[size_t{r} * t.rank + i]) * 2 * static_cast<double>(kPi) * integral[l] * axes[work.clusters().clusters[c].probes[i / sh64::shCount(order)]].c[j];
           }
           ASSERT_NEAR(e, static_cast<double>(kPi) * (1 + std::cos(tilt)) / 2, 5e-3) << "tilt " << tilt << ", order " << order;
           ASSERT_EQ(t.valid[r], 1.0f);

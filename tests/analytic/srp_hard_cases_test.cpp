@@ -50,7 +50,7 @@ TEST_F(SrpSurfaces, WhatNoProbeSeesIsReadOffTheLightmap) {
   Scene scene = room;
   scene.probes = {vec3(0.5f, -0.6f, -0.25f)};
   SrpHarness h(scene);
-  h.set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "7").set("srp.receiver_rays", "128").set("srp.probe_rays", "500").set("srp.k", "1");
+  h.set("srp.least_clusters", "1").set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "7").set("srp.receiver_rays", "128").set("srp.probe_rays", "500").set("srp.k", "1");
   std::vector<vec3> light[2];
   const auto off = [&](const char* weight, size_t to) {
     h.set("srp.sample_weight", weight);
@@ -129,7 +129,7 @@ TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
   EXPECT_GT(units[0], units[1]);
   EXPECT_EQ(results[0], results[1]);
   SrpHarness h(loadScene("point_light_cube"));
-  h.set("srp.cluster_size", "8192").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");
+  h.set("srp.cluster_size", "8192").set("srp.least_clusters", "1").set("srp.k", "64").set("srp.sh_order", "8").set("srp.precompute_memory_mb", "16");
   try {
     h.rebuild();
     FAIL() << "a cluster that does not fit was accepted";

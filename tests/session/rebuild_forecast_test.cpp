@@ -78,9 +78,13 @@ TEST_F(RebuildForecastTest, RaysAndBytesOfSrpAreThoseThatHappen) {
     EXPECT_EQ(f.refused, "");
     const double probes = counterOf(*frame, "probes");
     EXPECT_EQ(f.work.rays, counterOf(*frame, "rays_cast") + 256 * probes);
-    double matrices = 0;
-    for (const MemoryItem& m : frame->memory)
+    double matrices = 0, lumels = 0;
+    for (const MemoryItem& m : frame->memory) {
       if (m.name == "srp: transport matrices") matrices += static_cast<double>(m.bytes);
+      if (m.name == "srp: surfaces read") lumels += static_cast<double>(m.bytes);
+    }
+    EXPECT_GT(lumels, 0);
+    EXPECT_GE(f.work.bytesMore, lumels - 4 * (counterOf(*frame, "receivers") + 1)) << "but for where each receiver's begin";
     EXPECT_GE(f.work.bytes + 4, matrices) << "but for padding to whole words";
     EXPECT_LE(f.work.bytes, c.bytesFactor * matrices);
     if (f.work.bytesBefore > 0) {

@@ -59,6 +59,22 @@ TEST(SrpClusters, EachReceiverIsInOneClusterThatIsSmallEnough) {
   }
 }
 
+TEST(SrpClusters, FewReceiversMakeSmallClustersDownToABound) {
+  const std::vector<vec3> probes{{0, 0, 0}};
+  const auto largest = [&](int lumelsAFace, int32_t least) {
+    SrpParams params;
+    params.least_clusters = least;
+    uint32_t most = 0;
+    for (const ReceiverCluster& r : makeClusters(cube(lumelsAFace), probes, params, 2, 1, {}, progress).clusters) most = std::max(most, r.receivers);
+    return most;
+  };
+  EXPECT_LE(largest(1000, 32), 6000u / 32);
+  EXPECT_GT(largest(1000, 32), 64u);
+  EXPECT_LE(largest(100, 32), 64u);
+  EXPECT_GT(largest(100, 32), 600u / 32);
+  EXPECT_GT(largest(1000, 1), 512u);
+}
+
 TEST(SrpClusters, ManyReceiversInOnePlaceAreStillSplit) {
   Atlas atlas;
   atlas.lumels.resize(1000);
@@ -136,11 +152,14 @@ TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
   size_t number = 0;
   TransportStore store("abc");
   EXPECT_TRUE(store.read(10).empty());
+  EXPECT_EQ(store.count(10), 0u);
   for (float v : {1.0f, 2.0f, 3.0f}) store.append(number++, cluster(v));
   auto found = store.read(10);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[1].basis[0], 2.0f);
   EXPECT_EQ(found[2].valid, (std::vector<float>{1, 0.5f}));
+  EXPECT_EQ(store.count(10), 3u);
+  EXPECT_EQ(store.count(2), 2u);
   EXPECT_EQ(store.read(2).size(), 2u);  // no more than asked; the third stays or is made anew
 
   // Whoever comes second reads and does not write.
@@ -158,6 +177,7 @@ TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);  // cut off in the third
   {
     TransportStore other("def");
+    EXPECT_EQ(other.count(10), 2u);
     ASSERT_EQ(other.read(10).size(), 2u);
     other.append(2, cluster(7));
     found = other.read(10);
@@ -175,6 +195,7 @@ TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
   for (const char* text : {"something else", ""}) {
     writeFileAtomically(file, text);
     TransportStore other("def");
+    EXPECT_EQ(other.count(10), 0u);
     EXPECT_TRUE(other.read(10).empty());
     other.append(0, cluster(1));
     EXPECT_EQ(other.read(10).size(), 1u);

@@ -3,22 +3,16 @@
 // Adds a unit's samples of the transport kernel to the cluster's matrix: one thread a receiver and probe, so that sums run in one order.
 #include "engine/techniques/srp/unit.h"
 #include "engine/techniques/srp/directional.glsl"
-#include "shaders/shared/ray.h"
-#include "shaders/shared/spherical_harmonics.h"
+#include "engine/techniques/srp/probe_answer.glsl"
 #include "shaders/shared/surface_point.h"
 
 layout(local_size_x = 64) in;
 
-layout(scalar) readonly buffer hits_block { Hit hits[]; };
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
-layout(scalar) readonly buffer questions_block { Ray questions[]; };
-layout(scalar) readonly buffer shares_block { float shares[]; };
-layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x receivers x columns
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
-layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -35,22 +29,18 @@ void main() {
   if (!(n.weight > 0.0)) return;
   float factors[kSrpDirectionalRows];  ///< of a sample in the receiver's rows
   uint base = receiver * unit.columns + n.column;
+  vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    uint question = r * unit.slots + q;
-    float scale = scales[r];
-    float share = shares[question];
-    if (scale <= 0.0 || share == 0.0) continue;
-    // The corrected direction: from the probe to what the receiver sees; into the open it is the receiver's own.
-    vec3 direction = questions[question].direction;
-    if (hits[r].primitive != kMiss) direction = -normalize(direction);
-    float w = share * scale;
+    vec3 local;
+    float w;
+    if (!probeAnswers(r, q, n.probe, toProbe, local, w)) continue;
     factors[0] = 1.0;
     if (unit.rows > 1u) {
       vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));
       factors[1] = more.x, factors[2] = more.y, factors[3] = more.z;
     }
-    for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
+    for (ShWalk y = shBegin(unit.order, local); !shDone(y); shNext(y)) {
       float value = w * shValue(y), mirrored = y.m > 0 ? w * shMirroredValue(y) : 0.0;
       for (uint row = 0u; row < unit.rows; ++row) {
         uint at = base + row * unit.receivers * unit.columns;

@@ -1,25 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Adds a unit's samples to the rows of radiance of a cluster's glossy receivers: one thread a receiver, probe and row, so that sums run in one order. The kernel is accumulate.comp's.
+// Adds a unit's samples to the rows of radiance of a cluster's glossy receivers: one thread a receiver, probe and row, so that sums run in one order.
 #include "engine/techniques/srp/hemisphere_basis.h"
 #include "engine/techniques/srp/unit.h"
-#include "shaders/shared/ray.h"
+#include "engine/techniques/srp/probe_answer.glsl"
 #include "shaders/shared/sampling.h"
-#include "shaders/shared/spherical_harmonics.h"
 #include "shaders/shared/surface_point.h"
 
 layout(local_size_x = 64) in;
 
-layout(scalar) readonly buffer hits_block { Hit hits[]; };
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
-layout(scalar) readonly buffer questions_block { Ray questions[]; };
-layout(scalar) readonly buffer shares_block { float shares[]; };
-layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x columns
 layout(scalar) buffer moments_block { float moments[]; };  // wide receivers x rows of radiance: sums of factors alone
-layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -44,18 +38,16 @@ void main() {
     moments[receiver * gl_NumWorkGroups.y + row] += sum;
   }
   if (!(n.weight > 0.0)) return;
+  vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));
   uint base = (unit.receivers + row * unit.wide + receiver) * unit.columns + n.column;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    uint question = r * unit.slots + q;
-    float scale = scales[r];
-    float share = shares[question];
-    if (scale <= 0.0 || share == 0.0) continue;
+    vec3 local;
+    float w;
+    if (!probeAnswers(r, q, n.probe, toProbe, local, w)) continue;
     vec3 own = rays[r].direction;
-    vec3 direction = questions[question].direction;
-    if (hits[r].primitive != kMiss) direction = -normalize(direction);
-    float w = share * scale * hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
-    for (ShWalk y = shBegin(unit.order, direction); !shDone(y); shNext(y)) {
+    w *= hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
+    for (ShWalk y = shBegin(unit.order, local); !shDone(y); shNext(y)) {
       matrix[base + uint(shIndex(y.l, y.m))] += w * shValue(y);
       if (y.m > 0) matrix[base + uint(shIndex(y.l, -y.m))] += w * shMirroredValue(y);
     }

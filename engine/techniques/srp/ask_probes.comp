@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Mutual visibility (section 5.6.4): rays from what a receiver sees to each probe that it asks, and the probe's share where nothing is between. Those that need
-// no cast are inactive (tMin > tMax) and have no share: probes behind the surface, empty slots, backs of surfaces.
+// no cast are inactive (tMin > tMax) and have no share: probes behind the surface, empty slots, backs of surfaces. A negative share: of a probe that would blur too much.
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/lumel_rays.h"
 #include "shaders/shared/ray.h"
@@ -29,7 +29,7 @@ void main() {
     Hit hit = hits[r];
     vec3 probe = probes[n.probe].xyz;
     if (hit.primitive == kMiss) {
-      if (unit.environment != 0u) {
+      if (unit.environment != 0u && unit.surfaceShare == 0u) {
         question = Ray(probe, 0.0, ray.direction, kRayEnd);
         share = n.weight;
       }
@@ -40,8 +40,13 @@ void main() {
       float height = dot(normal, way);
       if (dot(normal, ray.direction) < 0.0 && height > 0.0) {
         question = Ray(at, 0.0, way, 1.0);
-        float d2 = dot(way, way);
-        share = unit.solidAngle != 0u ? n.weight * height / (d2 * sqrt(d2)) : n.weight;
+        float d = length(way);
+        float d3 = d * d * d;
+        share = unit.solidAngle != 0u ? n.weight * height / d3 : n.weight;
+        // The solid angle that the probe tells apart covers d^2 resolution^2 / cos of the surface.
+        float resolution = kPi / float(unit.order + 1);
+        float wide = unit.blurLimit * hit.t;
+        if (unit.blurLimit > 0.0 && d3 * resolution * resolution > height * wide * wide) share = -share;
       }
     }
   }

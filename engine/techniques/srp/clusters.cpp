@@ -81,6 +81,9 @@ void splitMeans(const Atlas& atlas, Range lumels, size_t most, std::vector<Range
   splitMeans(atlas, lumels.subspan(left), most, out);
 }
 
+/// `least_clusters` makes no smaller ones: their bases would be larger than what they save.
+constexpr size_t kSmallestPart = 64;
+
 struct Asked {
   uint32_t probe;
   float weight;
@@ -120,7 +123,8 @@ ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, 
   result.lumelOfReceiver.resize(atlas.lumels.size());
   std::iota(result.lumelOfReceiver.begin(), result.lumelOfReceiver.end(), 0u);
   std::vector<Range> ranges;
-  const auto most = static_cast<size_t>(params.cluster_size);
+  const size_t part = std::max<size_t>(kSmallestPart, atlas.lumels.size() / static_cast<size_t>(params.least_clusters));
+  const size_t most = std::min<size_t>(static_cast<size_t>(params.cluster_size), part);
   if (params.clustering == kClusteringLbg) splitMeans(atlas, result.lumelOfReceiver, most, ranges);
   else splitBoxes(atlas, result.lumelOfReceiver, most, ranges);
 

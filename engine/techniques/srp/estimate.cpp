@@ -53,12 +53,13 @@ RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, 
   // Receivers of another lightmap stand as densely as its texels: more clusters of the same size.
   const double scale = lumels / static_cast<double>(clusters.receivers());
   size_t onDisk = 0;
-  if (params.cache && scale == 1) onDisk = TransportStore(Precomputation::key(device, scene, params)).read(clusters.clusters.size()).size();
+  if (params.cache && scale == 1) onDisk = TransportStore(Precomputation::key(device, scene, params)).count(clusters.clusters.size());
   estimate.parts = transportWork(clusters, onDisk, clusters.clusters.size(), params, coefficients);
   for (WorkPart& part : estimate.parts) part.amount *= scale;
   const double probeRays = static_cast<double>(scene.probes->count()) * params.probe_rays;
   estimate.rays = estimate.parts.front().amount + probeRays;
   estimate.parts.push_back(probeRayWork(probeRays));
+  estimate.bytesMore = lumels * readsOf(params) * sizeof(shared::SrpRead);
   const double number = params.storage == kStorageFloat16 ? 2 : 4;
   for (const ReceiverCluster& c : clusters.clusters) {
     const MatrixSize m = sizeOf(c, params, coefficients);

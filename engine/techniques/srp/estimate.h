@@ -12,7 +12,7 @@ std::vector<WorkPart> transportWork(const ReceiverClusters&, size_t first, size_
 /// Rays of probes, which are cast anew each time.
 WorkPart probeRayWork(double rays);
 
-/// Of all of it with these parameters: clusters are made, those on disk need no work. Exact while `lumels` is what the atlas has; else in proportion. Bytes are those of the matrices: lumels to be read come out of the rays.
+/// Of all of it with these parameters: clusters are made, those on disk need no work. Exact while `lumels` is what the atlas has; else in proportion. Lumels to be read come out of the rays, so of them the most that there can be.
 /// @throws Error(Cancelled)
 RebuildEstimate estimateTransport(const Device&, const SceneView&, const SrpParams&, double lumels, Progress&);
 

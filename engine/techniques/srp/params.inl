@@ -67,6 +67,8 @@ PARAM_BOOL(pca_keep_constant, true, Rebuild,
            "cpca: weights are moved by the least that lets light which is the same everywhere pass unchanged, so that compression neither makes nor loses it bounce by bounce. The thesis leaves them.")
 PARAM_ENUM(clustering, SrpClustering, kClusteringAabb, Rebuild, "Which receivers are computed and compressed together.")
 PARAM_INT(cluster_size, 1024, 16, 8192, 64, 4096, Log, Rebuild, "receivers", "Receivers a cluster has at most.")
+PARAM_INT(least_clusters, 32, 1, 4096, 1, 128, Log, Rebuild, "clusters",
+          "Of few receivers a cluster has at most this part, but always 64: clusters that are large beside the room compress badly.")
 PARAM_ENUM(storage, SrpStorage, kStorageFloat32, Rebuild, "Numbers of the matrices.")
 PARAM_BOOL(multi_bounce, true, Reset, "Probes see the last frame's indirect light too: all bounces, one a frame. Off: the first alone.")
 PARAM_INT(update_frames, 1, 1, 16, 1, 16, Log, Reset, "frames",
@@ -75,6 +77,10 @@ PARAM_ENUM(window, SrpWindow, kWindowNone, Reset, "Takes ringing out of the prob
 PARAM_BOOL(environment_rays, true, Rebuild,
            "A receiver's ray into the open asks whether probes see that too. Off: such rays are left out, which makes open places too bright (figure 5.5).")
 PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What becomes of a receiver's rays to places that none of its probes sees.")
+PARAM_BOOL(surface_share, true, Rebuild,
+           "What a probe says is divided by the share of surfaces among what it sees round there, so that surfaces beside the open are not darkened; rays into the open then bring nothing, and nothing is asked for them.")
+PARAM_FLOAT(blur_limit, 1, 0, 16, 0.5, 4, Linear, Rebuild, "lengths of the ray",
+            "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0: asked wherever it sees.")
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
           "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")

@@ -18,22 +18,25 @@ namespace {
 /// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 
 /// What every device takes as groups along y.
+/// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
+float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
+
 constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
 
-/// Lumels that a receiver reads at most.
-uint32_t readsOf(const SrpParams& params) {
-  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
-}
 
 float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
 }  // namespace
+
+uint32_t readsOf(const SrpParams& params) {
+  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
+}
 
 uint32_t rowsOf(const SrpParams& params) {
   if (params.receivers == kReceiversRadiance) return 1 + static_cast<uint32_t>(shared::hemisphereTerms(params.glossy_order));
@@ -42,8 +45,9 @@ uint32_t rowsOf(const SrpParams& params) {
 
 uint32_t allRows(const ReceiverCluster& c, const SrpParams& params) { return c.receivers + (rowsOf(params) - 1) * c.wide; }
 
-Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, Progress& progress)
-    : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
+Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, const ProbeSamples* samples,
+                               Progress& progress)
+    : device_(gpu.device), scene_(scene), params_(params), triangles_(triangles), lumelOfTexel_(lumelOfTexel), samples_(samples) {
   reads_ = readsOf(params);
   coefficients_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
   rows_ = rowsOf(params);
@@ -89,9 +93,10 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
   h.value<uint64_t>(scene.atlas->lumels.size());
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
-  h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size);
+  h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size).value(params.least_clusters);
   if (params.receivers == kReceiversRadiance) h.value(params.glossy_order).array(wideLumels(scene, params));
-  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share);
+  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(params));
+  h.value(params.surface_share).value(params.surface_share ? params.probe_rays : 0);
   return h.hex();
 }
 
@@ -145,6 +150,7 @@ void Precomputation::allocate(const SceneView& scene) {
   shares_ = device_.buffer("srp: shares", sizeof(float) * unitQuestions_);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
   directional_ = directionalBuffer(device_, params_);
+  surfaces_ = device_.buffer("srp: surfaces that probes see", sizeof(float) * (params_.surface_share ? scene.probes->count() * coefficients_ : 1));
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
@@ -182,6 +188,21 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
 
+void Precomputation::recordSurfaceShare(FrameGraph& graph) {
+  surfacesKnown_ = true;
+  if (!params_.surface_share) return graph.skip("srp: share of surfaces", "srp.surface_share is off");
+  const Buffer basis = device_.buffer("srp: basis of probes' rays", std::span<const float>(weightedBasis(samples_->directions(), params_.sh_order)));
+  struct Constants {
+    uint32_t probes, samples, coefficients;
+  } constants{static_cast<uint32_t>(scene_.probes->count()), static_cast<uint32_t>(samples_->directions().size()), coefficients_};
+  graph.compute("srp: share of surfaces", "srp/surface_share.comp")
+      .bind("codes", samples_->codes(), Access::Read)
+      .bind("basis", basis, Access::Read)
+      .bind("surfaces", surfaces_, Access::Write)
+      .push(constants)
+      .dispatchThreads(constants.probes * constants.coefficients);
+}
+
 void Precomputation::recordUnit(FrameGraph& graph) {
   if (work().settled()) return;
   if (cluster_ == clusters_.clusters.size()) {
@@ -190,6 +211,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
     return;
   }
   const ReceiverCluster& c = clusters_.clusters[cluster_];
+  if (!surfacesKnown_) recordSurfaceShare(graph);
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
   const uint32_t rays = c.receivers * samples, questions = rays * c.slots;
@@ -201,6 +223,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1, unit.wide = c.wide;
   unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
@@ -234,6 +257,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
+      .bind("surfaces", surfaces_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("valid", valid_, Access::ReadWrite)
       .push(unit)
@@ -276,6 +300,7 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
+      .bind("surfaces", surfaces_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("moments", moments_, Access::ReadWrite)
       .push(unit)
@@ -313,7 +338,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = moments_ = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = surfaces_ = moments_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {

@@ -8,10 +8,13 @@
 #include "engine/lightmap/tables.h"
 #include "engine/techniques/srp/clusters.h"
 #include "engine/techniques/srp/compressor.h"
+#include "engine/techniques/srp/probe_samples.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
 
+/// Lumels that a receiver reads at most.
+uint32_t readsOf(const SrpParams&);
 /// Rows of transport that a wide receiver has: of directional receivers all are, of radiance receivers those on glossy surfaces.
 uint32_t rowsOf(const SrpParams&);
 uint32_t allRows(const ReceiverCluster&, const SrpParams&);
@@ -20,7 +23,8 @@ class Precomputation {
  public:
   /// Clusters, working memory, and what the cache on disk has. `triangles`, `lumelOfTexel`: of LightmapTables, on the device.
   /// @throws Error(TooLarge), or Error(BadInput) where a parameter is at fault, naming what does not fit, and what would; Error(Cancelled)
-  Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, const Buffer& lumelOfTexel, Progress&);
+  /// `samples`: what probes see, which has to be known before the first unit; it lives as long as this. Null only without SrpParams::surface_share.
+  Precomputation(Gpu&, const SceneView&, const SrpParams&, const Buffer& triangles, const Buffer& lumelOfTexel, const ProbeSamples* samples, Progress&);
 
   WorkState work() const;
   void recordUnit(FrameGraph&);
@@ -47,6 +51,7 @@ class Precomputation {
   void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);
   void recordRadiance(FrameGraph&, const shared::SrpUnit&);
+  void recordSurfaceShare(FrameGraph&);
   void recordCompression(FrameGraph&);
 
   Device& device_;
@@ -54,7 +59,9 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, moments_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, surfaces_, moments_;
+  const ProbeSamples* samples_;   ///< null: not asked
+  bool surfacesKnown_ = false;
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
   size_t compressions_ = 1;       ///< at once

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/error.h"
+#include "engine/core/spherical_harmonics64.h"
 #include "shaders/shared/lightmap_codes.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/sampling.h"
@@ -28,6 +29,16 @@ std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed) {
     directions.push_back(tangent * static_cast<float>(r * std::cos(angle)) + bitangent * static_cast<float>(r * std::sin(angle)) + axis * static_cast<float>(z));
   }
   return directions;
+}
+
+std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
+  std::vector<float> table;
+  const double weight = 4 * std::numbers::pi / static_cast<double>(directions.size());
+  for (vec3 d : directions) {
+    const sh64::ShCoefficients y = sh64::shBasis(order, glm::normalize(glm::dvec3(d)));
+    for (int j = 0; j < sh64::shCount(order); ++j) table.push_back(static_cast<float>(weight * y.c[j]));
+  }
+  return table;
 }
 
 ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel)
@@ -54,8 +65,8 @@ void ProbeSamples::recordUnit(FrameGraph& graph) {
   const auto first = static_cast<uint32_t>(done_) * probesAUnit_;
   const uint32_t count = std::min(probesAUnit_, probes_ - first), rays = count * samples_;
   struct Constants {
-    uint32_t first, count, samples;
-  } constants{first, count, samples_};
+    uint32_t first, count, samples, seed;
+  } constants{first, count, samples_, scene_.seed};
   graph.compute("srp: make probes' rays", "srp/probe_rays.comp")
       .bind("probes", positions_, Access::Read)
       .bind("directions", directionTable_, Access::Read)

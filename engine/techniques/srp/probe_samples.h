@@ -1,5 +1,6 @@
 #pragma once
-// What probes see: rays in the same directions for all, and the lumels that they hit, found once (Bennett 2019, section 5.2).
+// What probes see: rays in the same directions for all, each probe's in its own frame (probe_frame.h), and the lumels that they hit, found once (Bennett 2019, section 5.2).
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@ namespace hl {
 /// `count` directions spread evenly over the sphere: a spiral whose points have equal heights between them and turn by the golden angle. Products of spherical
 /// harmonics are summed far better over it than over as many random directions. `seed` turns the whole set.
 std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed);
+
+/// Y_j in each direction, times the sample's solid angle 4 pi / N: samples x coefficients.
+std::vector<float> weightedBasis(std::span<const vec3> directions, int order);
 
 class ProbeSamples {
  public:
@@ -24,7 +28,7 @@ class ProbeSamples {
   void recordUnit(FrameGraph&);
   void release() { rays_ = hits_ = {}; }
   const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
-  const std::vector<vec3>& directions() const { return directions_; }
+  const std::vector<vec3>& directions() const { return directions_; }  ///< in a probe's frame
   const Counts& counts() const;  ///< of units that are done; blocking, but asked of the device once
 
  private:

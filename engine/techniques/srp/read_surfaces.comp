@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which lumels a receiver reads for those of a unit's samples that no probe sees: in each stratum of its samples one of them, chosen evenly as they come by, whatever
+// Which lumels a receiver reads for those of a unit's samples that no probe sees, or none well enough: in each stratum of its samples one of them, chosen evenly as they come by, whatever
 // units they come in. Where the ray goes into the open nothing is reflected: valid, and dark.
 #include "engine/techniques/srp/unit.h"
 #include "shaders/shared/lumel_rays.h"
@@ -25,7 +25,7 @@ void main() {
   float known = 0.0;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    if (scales[r] != kSrpInvalid) continue;
+    if (scales[r] != kSrpInvalid && scales[r] != kSrpCoarse) continue;
     Hit hit = hits[r];
     if (hit.primitive == kMiss) {
       if (unit.environment != 0u) known += 1.0;
@@ -35,7 +35,7 @@ void main() {
     vec4 second = texelFetch(triangles, int(2u * hit.primitive + 1u));
     uint code = codeOfLumel(lumelOfTexel[texelHit(first, second, hit.u, hit.v, unit.resolution)]);
     if (code == kCodeNoTexel) continue;
-    known += 1.0;
+    if (scales[r] == kSrpInvalid) known += 1.0;
     uint sampleIndex = unit.firstSample + s;
     uint stratum = receiver * unit.reads + sampleIndex * unit.reads / unit.allSamples;
     uint count = strata[stratum].count + 1u;

@@ -5,28 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <glm/gtc/packing.hpp>
-#include <numbers>
 
 #include "engine/core/error.h"
-#include "engine/core/spherical_harmonics64.h"
 #include "engine/techniques/srp/directional.h"
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/unit.h"
+#include "engine/techniques/srp/probe_samples.h"
 #include "shaders/shared/spherical_harmonics.h"
 
 namespace hl {
 namespace {
-
-/// Y_j in each direction, times the sample's solid angle 4 pi / N: samples x coefficients.
-std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
-  std::vector<float> table;
-  const double weight = 4 * std::numbers::pi / static_cast<double>(directions.size());
-  for (vec3 d : directions) {
-    const sh64::ShCoefficients y = sh64::shBasis(order, glm::normalize(glm::dvec3(d)));
-    for (int j = 0; j < sh64::shCount(order); ++j) table.push_back(static_cast<float>(weight * y.c[j]));
-  }
-  return table;
-}
 
 uint32_t partsOf(const SrpParams& params) { return (static_cast<uint32_t>(params.probe_rays) + shared::kSrpPartSamples - 1) / shared::kSrpPartSamples; }
 

@@ -73,7 +73,7 @@ class Srp final : public Technique {
     gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
     samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
-    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), progress);
+    precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), samples_.get(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
   }

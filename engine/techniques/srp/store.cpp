@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include "engine/core/byte_stream.h"
@@ -47,6 +48,9 @@ ClusterTransport decode(std::string_view bytes) {
   return c;
 }
 
+/// Before each cluster: its number, its size, its digest.
+constexpr size_t kDigest = 32, kFront = 2 * sizeof(uint64_t) + kDigest;
+
 [[noreturn]] void fail(const fs::path& file, const char* what) { throw Error(ErrorKind::Run, file.string() + ": " + what + ": " + std::strerror(errno)); }
 
 }  // namespace
@@ -72,13 +76,29 @@ bool TransportStore::lock() {
   return false;
 }
 
+size_t TransportStore::count(size_t clusters) const {
+  std::error_code ec;
+  const uint64_t bytes = fs::is_regular_file(file_, ec) ? fs::file_size(file_, ec) : 0;
+  std::ifstream in(file_, std::ios::binary);
+  const std::string head = header(key_);
+  std::string found(head.size(), '\0');
+  if (ec || !in.read(found.data(), static_cast<std::streamsize>(found.size())) || found != head) return 0;
+  size_t whole = 0;
+  for (uint64_t at = head.size(); whole < clusters && bytes - at >= kFront; ++whole) {
+    uint64_t front[2];  // the cluster's number, and its size
+    in.seekg(static_cast<std::streamoff>(at));
+    if (!in.read(reinterpret_cast<char*>(front), sizeof front) || front[0] != whole || front[1] > bytes - at - kFront) break;
+    at += kFront + front[1];
+  }
+  return whole;
+}
+
 std::vector<ClusterTransport> TransportStore::read(size_t clusters) {
   std::vector<ClusterTransport> found;
   std::error_code ec;
   if (!fs::is_regular_file(file_, ec)) return found;
   const std::string bytes = readFile(file_);
   const std::string head = header(key_);
-  constexpr size_t kDigest = 32, kFront = 2 * sizeof(uint64_t) + kDigest;
   size_t good = 0;
   if (std::string_view(bytes).substr(0, head.size()) == head) {
     good = head.size();

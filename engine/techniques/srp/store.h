@@ -25,6 +25,8 @@ class TransportStore {
   /// The clusters from the first on that are whole, at most `clusters`; a file that was cut off or damaged counts up to there, and what follows is taken off it. A
   /// file of another version counts as empty. One that another process is writing is read and left alone, by append() too.
   std::vector<ClusterTransport> read(size_t clusters);
+  /// How many read() would find, by what stands before each cluster alone: of damage inside one it knows nothing.
+  size_t count(size_t clusters) const;
   /// Adds the one with this number. @throws Error(Run) with the system's reason
   void append(size_t number, const ClusterTransport&);
   const std::filesystem::path& file() const { return file_; }

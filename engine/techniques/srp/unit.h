@@ -26,6 +26,8 @@ struct SrpUnit {
   float offset;       ///< of rays that start at a hit, in front of it [m]
   uint rows;          ///< a wide receiver, in the sums of accumulate.comp: 1, or kSrpDirectionalRows
   uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
+  uint surfaceShare;  ///< 1: what a probe says is divided by the share of surfaces there
+  float blurLimit;    ///< a probe is asked for what it blurs over at most so many lengths of the receiver's ray; 0: for all
   uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
   uint allSamples;    ///< of a receiver, in all units
   uint resolution;    ///< of the lightmap
@@ -41,6 +43,10 @@ HL_CONST uint kSrpDirectionalRows = 4u;
 /// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
 HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
 HL_CONST float kSrpDark = -1.0f;     ///< it hit what reflects nothing: valid, and dark
+HL_CONST float kSrpCoarse = -2.0f;   ///< probes see it, and blur too much: valid, and read off the lightmap
+
+/// What a probe says is divided by the share of surfaces round there, but by no less than this: there hardly any is, and rays hit little of it.
+HL_CONST float kSrpLeastSurface = 0.25f;
 
 /// One stratum of a receiver's samples: one of those that no probe sees, each as likely as any other, and how many it stands for.
 struct SrpStratum {

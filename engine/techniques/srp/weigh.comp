@@ -19,14 +19,22 @@ void main() {
   uint r = gl_GlobalInvocationID.x;
   if (r >= unit.receivers * unit.samples) return;
   float sum = 0.0;
+  bool coarse = false;
   for (uint q = 0u; q < unit.slots; ++q) {
     uint i = r * unit.slots + q;
     float share = shares[i];
-    if (share > 0.0 && blocked[i] != 0u) shares[i] = share = 0.0;
-    sum += share;
+    if (share == 0.0) continue;
+    bool sees = blocked[i] == 0u;
+    if (sees && share > 0.0) sum += share;
+    else shares[i] = 0.0;
+    coarse = coarse || (sees && share < 0.0);
   }
-  float scale = sum > 0.0 ? 1.0 / sum : kSrpInvalid;
+  float scale = sum > 0.0 ? 1.0 / sum : (coarse ? kSrpCoarse : kSrpInvalid);
   Hit hit = hits[r];
-  if (hit.primitive != kMiss && hitsBack(texelFetch(triangles, int(2u * hit.primitive + 1u)), rays[r].direction)) scale = kSrpDark;
+  if (hit.primitive == kMiss) {
+    if (unit.environment != 0u && unit.surfaceShare != 0u) scale = kSrpDark;  // what is not reflected there needs no probe to be known
+  } else if (hitsBack(texelFetch(triangles, int(2u * hit.primitive + 1u)), rays[r].direction)) {
+    scale = kSrpDark;
+  }
   scales[r] = scale;
 }
