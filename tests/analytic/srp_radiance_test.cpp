@@ -151,6 +151,7 @@ TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLi
     p.parameters["srp.compression"] = "none";
     p.parameters["srp.receivers"] = receivers;
     p.parameters["srp.glossy_order"] = order;
+    p.parameters["srp.blur_limit"] = "0";  // as with radiance
     session->load(p);
     session->settle();
     expectNoMessages(*session);

@@ -22,7 +22,8 @@ constexpr uint32_t kVersion = 6;
 
 /// What every device takes as groups along y.
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
-float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
+/// And radiance has a direction: that to a lumel so near is none (README).
+float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface && params.receivers != kReceiversRadiance ? params.blur_limit : 0; }
 
 constexpr size_t kMostClusters = 65535;
 
