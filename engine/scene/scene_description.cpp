@@ -1,5 +1,7 @@
 #include "engine/scene/scene_description.h"
 
+#include <cmath>
+
 #include "engine/core/files.h"
 #include "engine/scene/animation.h"
 #include "engine/scene/json_reader.h"
@@ -11,6 +13,9 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kFarthest = 1e9;    // metres; beyond it a float has no centimetres, whatever is recentred
 constexpr double kBrightest = 1e15;  // radiance and intensity; sums of many stay below a float's 3e38
+
+/// The bound as a person writes it: 0.05, not the float's 0.05000000075.
+const double kLeastRoughness = std::round(static_cast<double>(shared::kMinRoughness) * 1e6) / 1e6;
 
 class Reader {
  public:
@@ -374,7 +379,7 @@ class Reader {
     if (const Json* a = o.find("albedo")) m.albedo = JsonObject::asVec3(*a, o.at("albedo"), 0, 1, true);
     if (const Json* e = o.find("emission")) m.emission = JsonObject::asVec3(*e, o.at("emission"), 0, kBrightest, true);
     if (const Json* f0 = o.find("specular")) m.specular = JsonObject::asVec3(*f0, o.at("specular"), 0, 1, true);
-    if (o.find("roughness")) m.roughness = static_cast<float>(o.number("roughness", kDefaultRoughness, shared::kMinRoughness, 1));
+    if (o.find("roughness")) m.roughness = static_cast<float>(o.number("roughness", kDefaultRoughness, kLeastRoughness, 1));
     if (o.find("two_sided")) m.twoSided = o.boolean("two_sided", false);
     if (o.find("alpha_cutoff")) m.alphaCutoff = static_cast<float>(o.number("alpha_cutoff", 0, 0, 1));
     o.refuseUnknown();

@@ -66,19 +66,27 @@ std::vector<ErrorValue> Session::measureFlicker(int frames, Progress* progress) 
   Impl& s = *impl_;
   Progress& p = progress ? *progress : *s.progress;
   if (frames < 2) throw badInput(fmt::format("flicker: at least two frames are wanted, not {}", frames));
-  FlickerMeter indirect, final;
+  FlickerMeter meters[3];  // by Component
+  const auto meter = [&](Component c) -> FlickerMeter& { return meters[static_cast<size_t>(c)]; };
   for (int i = 0; i < frames; ++i) {
     p.check();
     frame(&p);
-    indirect.add(s.indirectIrradiance());
-    final.add(s.device.download(s.finalImage));
+    meter(Component::Indirect).add(s.indirectIrradiance());
+    if (s.features.glossySurfaces) meter(Component::Specular).add(s.indirectSpecular());
+    meter(Component::Final).add(s.device.download(s.finalImage));
   }
   std::vector<ErrorValue> out;
+  const Mask glossy = s.features.glossySurfaces ? s.surfaceImages().glossy() : Mask{};
   for (const auto& [region, mask] : s.regionMasks(s.surfaceMask()))
-    for (const bool ofFinal : {false, true}) {
-      const FlickerResult r = (ofFinal ? final : indirect).result(mask);
+    for (const Component c : {Component::Indirect, Component::Specular, Component::Final}) {
+      Mask counts = mask;
+      if (c == Component::Specular) {
+        for (size_t i = 0; i < counts.size(); ++i) counts[i] = !glossy.empty() && mask[i] && glossy[i];
+        if (!anySet(counts)) continue;
+      }
+      const FlickerResult r = meters[static_cast<size_t>(c)].result(counts);
       ErrorValue e;
-      e.reference = "itself", e.target = "image", e.component = ofFinal ? "final" : "indirect", e.metric = "flicker", e.roi = region;
+      e.reference = "itself", e.target = "image", e.component = kComponentNames[static_cast<size_t>(c)], e.metric = "flicker", e.roi = region;
       e.value = r.value, e.nonFinite = r.nonFinite;
       e.noiseFloor = e.standardError = std::numeric_limits<double>::quiet_NaN();
       out.push_back(e);

@@ -1,6 +1,7 @@
 // What strains the surfel cache: full memory, full cells, no rays, Inf, a camera that jumps; and that two runs agree to the bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -32,6 +33,7 @@ TEST(SurfelHardCase, TwoRunsAgreeToTheBitWhateverMoves) {
       c.position = c.position - vec3(0.01f, 0.005f, 0.06f);
       h.frame(c);
     }
+    for (int i = 0; i < 12; ++i) h.frame(c);  // and stands
     EXPECT_GT(h.counter("recycled"), 0);
     const Image image = h.irradiance();
     ASSERT_TRUE(finite(image));
@@ -127,6 +129,39 @@ TEST(SurfelHardCase, FullCellsAreCutTheSameInEveryFrame) {
   const Image b = h.irradiance();
   EXPECT_EQ(std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)), 0);
   EXPECT_GT(h.mean(), 0);
+}
+
+/// While nothing moves lists are made in one of place_every frames, and read as if they were made in each; a camera that moves finds new ones at once.
+TEST(SurfelHardCase, ListsStandWhileNothingMoves) {
+  SurfelsHarness h(loadScene("furnace_box_050"));
+  small(h);
+  const auto listed = [&] {
+    return std::any_of(h.last.passes.begin(), h.last.passes.end(), [](const PassTiming& p) { return p.name == "surfels: sort cells" && p.skipped.empty(); });
+  };
+  h.set("surfels.place_every", "6");
+  h.rebuild();
+  Camera c = h.scene.cameras.front();
+  for (int i = 0; i < 60; ++i) h.frame(c);
+  int lists = 0;
+  for (int i = 0; i < 24; ++i) h.frame(c), lists += listed() ? 1 : 0;
+  EXPECT_GE(lists, 4);
+  EXPECT_LT(lists, 12);
+  h.set("surfels.ray_budget", "0").set("surfels.place_chance", "0").set("surfels.recycle", "false").set("surfels.place_every", "1000");
+  h.frame(c);  // the last that may list what was placed before
+  h.frame(c);
+  EXPECT_FALSE(listed());
+  const Image kept = h.irradiance();
+  h.set("surfels.place_every", "1");
+  for (int i = 0; i < 2; ++i) h.frame(c);
+  EXPECT_TRUE(listed());
+  const Image made = h.irradiance();
+  EXPECT_EQ(std::memcmp(kept.data.data(), made.data.data(), kept.data.size() * sizeof(float)), 0);
+  h.set("surfels.place_every", "1000");
+  for (int i = 0; i < 2; ++i) h.frame(c);
+  EXPECT_FALSE(listed());
+  c.position.x += 0.01f;
+  h.frame(c);
+  EXPECT_TRUE(listed());
 }
 
 TEST(SurfelHardCase, NoRaysKeepTheCacheAsItIs) {

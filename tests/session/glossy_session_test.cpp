@@ -75,6 +75,12 @@ TEST_F(GlossySession, TheReferenceHasTheLobesLight) {
     session->setDisplay(display);
     EXPECT_EQ(session->frame()->view, view);
   }
+  std::set<std::string> flicker;
+  for (const ErrorValue& e : session->measureFlicker(2)) {
+    flicker.insert(e.component + " " + e.roi);
+    EXPECT_EQ(e.value, 0) << e.component;
+  }
+  EXPECT_EQ(flicker.size(), 9u) << "three components, the whole picture and two regions";
   expectNoMessages(*session);
 }
 

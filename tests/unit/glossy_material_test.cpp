@@ -45,6 +45,7 @@ TEST_F(GlossyMaterial, IsRead) {
   EXPECT_EQ(grey.materials[0].specular, vec3(0.8f)) << "0.2 + 0.8 is all there is, and no more";
   EXPECT_EQ(grey.materials[0].roughness, kDefaultRoughness);
   EXPECT_EQ(grey.report.cappedSpecular, 0u);
+  EXPECT_EQ(load(R"({"specular": 0.1, "roughness": 0.05})").materials[0].roughness, shared::kMinRoughness) << "the bound itself";
   EXPECT_FALSE(sceneFeatures(load(R"({"albedo": 0.2, "roughness": 0.25})")).glossySurfaces) << "without reflectance there is no lobe";
 }
 
@@ -52,7 +53,7 @@ TEST_F(GlossyMaterial, IsRefusedInOneLine) {
   expectRefusal(R"({"specular": 1.5})", "materials.floor.specular", "[0, 1]");
   expectRefusal(R"({"specular": [0.5, -0.1, 0]})", "materials.floor.specular[1]", "[0, 1]");
   expectRefusal(R"({"specular": "shiny"})", "materials.floor.specular", "three numbers");
-  expectRefusal(R"({"specular": 0.5, "roughness": 0})", "materials.floor.roughness", "[0.05");
+  expectRefusal(R"({"specular": 0.5, "roughness": 0})", "materials.floor.roughness", "[0.05, 1]");
   expectRefusal(R"({"specular": 0.5, "roughness": 2})", "materials.floor.roughness", ", 1]");
   expectRefusal(R"({"speculr": 0.5})", "speculr", "specular");
 }
