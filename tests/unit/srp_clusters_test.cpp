@@ -8,6 +8,7 @@
 #include "engine/core/files.h"
 #include "engine/techniques/srp/clusters.h"
 #include "engine/techniques/srp/compressor.h"
+#include "engine/techniques/srp/hemisphere_basis.h"
 #include "engine/techniques/srp/store.h"
 #include "tests/session_fixture.h"
 
@@ -142,6 +143,7 @@ class SrpStore : public ::testing::Test {
     ClusterTransport t;
     t.receivers = 2, t.columns = 3, t.rank = 1;
     t.basis = {value, 2, 3}, t.weights = {value, 5}, t.valid = {1, 0.5f};
+    t.wide = 1, t.rows = 3, t.weights.push_back(7), t.weights.push_back(8);  // two more rows of the first
     t.total = 9, t.discarded = 1;
     return t;
   }
@@ -157,6 +159,8 @@ TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
   auto found = store.read(10);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[1].basis[0], 2.0f);
+  EXPECT_EQ(found[1].wide, 1u);
+  EXPECT_EQ(found[1].weights, (std::vector<float>{2, 5, 7, 8}));
   EXPECT_EQ(found[2].valid, (std::vector<float>{1, 0.5f}));
   EXPECT_EQ(store.count(10), 3u);
   EXPECT_EQ(store.count(2), 2u);
@@ -213,6 +217,26 @@ TEST_F(SrpStore, AFolderThatCannotBeWrittenIsAWarning) {
     compressor.add(std::move(sums));
   }
   EXPECT_EQ(compressor.finished().size(), 2u);
+}
+
+TEST(SrpCompressor, RowsBeyondTheFirstAreThoseOfWideReceivers) {
+  SrpParams params;
+  params.compression = kCompressionNone, params.receivers = kReceiversRadiance, params.glossy_order = 0;
+  params.receiver_rays = 8, params.sample_weight = kSampleWeightValid;
+  ClusterSums sums;
+  sums.receivers = 2, sums.wide = 1, sums.rows = 2, sums.columns = 2;
+  sums.matrix = {1, 2, 3, 4, 5, 6};  // irradiance of both, radiance of the first
+  sums.valid = {4, 2};
+  sums.moments = {4 * shared::hemisphereMeanFactor(0)};  // as it ought to be
+  const ClusterTransport even = compressCluster(sums, params, 1);
+  ASSERT_EQ(even.allRows(), 3u);
+  const float scales[] = {kPi / 4, kPi / 2, kPi / 4};
+  for (size_t i = 0; i < 6; ++i) EXPECT_FLOAT_EQ(even.weights[i], scales[i / 2] * sums.matrix[i]) << i;
+  // Samples whose factors come to less: the row takes what is missing from irradiance's.
+  sums.moments[0] *= 0.9f;
+  const ClusterTransport uneven = compressCluster(sums, params, 1);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(uneven.weights[i], even.weights[i]);
+  for (size_t i = 0; i < 2; ++i) EXPECT_NEAR(uneven.weights[4 + i], even.weights[4 + i] + 0.1f * shared::hemisphereMeanFactor(0) * even.weights[i], 1e-5f);
 }
 
 TEST(SrpCompressor, KeepsTheOrderWhateverIsDoneFirst) {

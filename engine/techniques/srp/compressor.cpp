@@ -20,8 +20,8 @@ void keepConstantRadiance(const ClusterSums& sums, std::vector<float>& alpha, co
     if (!(samples > 0)) continue;
     for (size_t j = 0; j < terms; ++j) {
       const float missing = shared::hemisphereMeanFactor(static_cast<int>(j)) - sums.moments[r * terms + j] / samples;
-      const float* irradiance = &alpha[r * columns];
-      float* row = &alpha[(sums.receivers + j * sums.wide + r) * columns];
+      const float* irradiance = alpha.data() + r * columns;
+      float* row = alpha.data() + (sums.receivers + j * sums.wide + r) * columns;
       for (size_t i = 0; i < columns; ++i) row[i] += missing * irradiance[i];
     }
   }
