@@ -35,6 +35,8 @@ class LightmapImages {
   const GpuImage& validity() const { return validity_; }  ///< RGBA8: valid, inside other geometry, overlapping, empty
   const GpuImage& charts() const { return charts_; }      ///< RGBA8: a colour a chart
   const Buffer& lumelOfTexel() const { return lumelOfTexel_; }
+  const Buffer& chartOfTexel() const { return chartOfTexel_; }
+  const Buffer& chartOfTriangle() const { return chartOfTriangle_; }
   uint32_t pixelsWithoutTexel() const;                    ///< of the last recordPixels without a checker. Blocking.
   std::vector<std::pair<std::string, uint64_t>> memory() const;
 

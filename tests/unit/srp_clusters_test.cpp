@@ -8,6 +8,7 @@
 #include "engine/core/files.h"
 #include "engine/techniques/srp/clusters.h"
 #include "engine/techniques/srp/compressor.h"
+#include "engine/techniques/srp/hemisphere_basis.h"
 #include "engine/techniques/srp/store.h"
 #include "tests/session_fixture.h"
 
@@ -38,7 +39,7 @@ TEST(SrpClusters, EachReceiverIsInOneClusterThatIsSmallEnough) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 100;
-    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25, progress);
+    const ReceiverClusters c = makeClusters(atlas, probes, params, 2, 25, {}, progress);
     std::set<uint32_t> seen(c.lumelOfReceiver.begin(), c.lumelOfReceiver.end());
     EXPECT_EQ(seen.size(), atlas.lumels.size());
     uint32_t next = 0;
@@ -65,7 +66,7 @@ TEST(SrpClusters, FewReceiversMakeSmallClustersDownToABound) {
     SrpParams params;
     params.least_clusters = least;
     uint32_t most = 0;
-    for (const ReceiverCluster& r : makeClusters(cube(lumelsAFace), probes, params, 2, 1, progress).clusters) most = std::max(most, r.receivers);
+    for (const ReceiverCluster& r : makeClusters(cube(lumelsAFace), probes, params, 2, 1, {}, progress).clusters) most = std::max(most, r.receivers);
     return most;
   };
   EXPECT_LE(largest(1000, 32), 6000u / 32);
@@ -82,7 +83,7 @@ TEST(SrpClusters, ManyReceiversInOnePlaceAreStillSplit) {
   for (int32_t clustering : {kClusteringAabb, kClusteringLbg}) {
     SrpParams params;
     params.clustering = clustering, params.cluster_size = 64;
-    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1, progress).clusters) EXPECT_LE(r.receivers, 64u);
+    for (const ReceiverCluster& r : makeClusters(atlas, probes, params, 1, 1, {}, progress).clusters) EXPECT_LE(r.receivers, 64u);
   }
 }
 
@@ -95,7 +96,7 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
   for (int i = 0; i < 10; ++i) probes.push_back(vec3(static_cast<float>(i), 0, 0));
   SrpParams params;
   params.k = 3;
-  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4, progress);
+  const ReceiverClusters near = makeClusters(atlas, probes, params, 9, 4, {}, progress);
   ASSERT_EQ(near.clusters.size(), 1u);
   EXPECT_EQ(near.clusters[0].probes, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(near.clusters[0].slots, 3u);
@@ -106,11 +107,11 @@ TEST(SrpClusters, NearestProbesWithWeightsThatEndAtNothing) {
     EXPECT_NEAR(n.weight, probeWeight(std::abs(static_cast<float>(q) - 0.1f) / 2.9f), 1e-6f);
   }
   params.support = kSupportProbeRadius, params.radius = 0.5f;  // of 9 m
-  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4, progress).clusters[0].probes.size(), 5u);
+  EXPECT_EQ(makeClusters(atlas, probes, params, 9, 4, {}, progress).clusters[0].probes.size(), 5u);
   // None within reach: a cluster without columns.
   params.radius = 0.01f;
   atlas.lumels[0].position = vec3(0, 5, 0);
-  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4, progress);
+  const ReceiverClusters none = makeClusters(atlas, probes, params, 9, 4, {}, progress);
   EXPECT_TRUE(none.clusters[0].probes.empty());
   EXPECT_EQ(none.clusters[0].near[0].weight, 0.0f);
 }
@@ -122,7 +123,7 @@ TEST(SrpClusters, ProbesThatAreAllEquallyFarAreAskedAllTheSame) {
   for (int k : {1, 2, 3}) {
     SrpParams params;
     params.k = k;
-    const ReceiverCluster c = makeClusters(atlas, probes, params, 2, 1, progress).clusters[0];
+    const ReceiverCluster c = makeClusters(atlas, probes, params, 2, 1, {}, progress).clusters[0];
     EXPECT_EQ(c.probes.size(), static_cast<size_t>(k));
     for (const shared::SrpNear& n : c.near) EXPECT_GT(n.weight, 0.0f);
   }
@@ -142,6 +143,7 @@ class SrpStore : public ::testing::Test {
     ClusterTransport t;
     t.receivers = 2, t.columns = 3, t.rank = 1;
     t.basis = {value, 2, 3}, t.weights = {value, 5}, t.valid = {1, 0.5f};
+    t.wide = 1, t.rows = 3, t.weights.push_back(7), t.weights.push_back(8);  // two more rows of the first
     t.total = 9, t.discarded = 1;
     return t;
   }
@@ -157,6 +159,8 @@ TEST_F(SrpStore, GoesOnWhereItStoppedWhateverHappenedToTheFile) {
   auto found = store.read(10);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[1].basis[0], 2.0f);
+  EXPECT_EQ(found[1].wide, 1u);
+  EXPECT_EQ(found[1].weights, (std::vector<float>{2, 5, 7, 8}));
   EXPECT_EQ(found[2].valid, (std::vector<float>{1, 0.5f}));
   EXPECT_EQ(store.count(10), 3u);
   EXPECT_EQ(store.count(2), 2u);
@@ -213,6 +217,26 @@ TEST_F(SrpStore, AFolderThatCannotBeWrittenIsAWarning) {
     compressor.add(std::move(sums));
   }
   EXPECT_EQ(compressor.finished().size(), 2u);
+}
+
+TEST(SrpCompressor, RowsBeyondTheFirstAreThoseOfWideReceivers) {
+  SrpParams params;
+  params.compression = kCompressionNone, params.receivers = kReceiversRadiance, params.glossy_order = 0;
+  params.receiver_rays = 8, params.sample_weight = kSampleWeightValid;
+  ClusterSums sums;
+  sums.receivers = 2, sums.wide = 1, sums.rows = 2, sums.columns = 2;
+  sums.matrix = {1, 2, 3, 4, 5, 6};  // irradiance of both, radiance of the first
+  sums.valid = {4, 2};
+  sums.moments = {4 * shared::hemisphereMeanFactor(0)};  // as it ought to be
+  const ClusterTransport even = compressCluster(sums, params, 1);
+  ASSERT_EQ(even.allRows(), 3u);
+  const float scales[] = {kPi / 4, kPi / 2, kPi / 4};
+  for (size_t i = 0; i < 6; ++i) EXPECT_FLOAT_EQ(even.weights[i], scales[i / 2] * sums.matrix[i]) << i;
+  // Samples whose factors come to less: the row takes what is missing from irradiance's.
+  sums.moments[0] *= 0.9f;
+  const ClusterTransport uneven = compressCluster(sums, params, 1);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(uneven.weights[i], even.weights[i]);
+  for (size_t i = 0; i < 2; ++i) EXPECT_NEAR(uneven.weights[4 + i], even.weights[4 + i] + 0.1f * shared::hemisphereMeanFactor(0) * even.weights[i], 1e-5f);
 }
 
 TEST(SrpCompressor, KeepsTheOrderWhateverIsDoneFirst) {

@@ -117,7 +117,8 @@ std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpP
 
 float probeWeight(float t) { return t < 1 ? 1 + t * t * (2 * t - 3) : 0.0f; }
 
-ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients, Progress& progress) {
+ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, const SrpParams& params, float side, uint32_t coefficients, std::span<const uint8_t> wide,
+                              Progress& progress) {
   ReceiverClusters result;
   result.lumelOfReceiver.resize(atlas.lumels.size());
   std::iota(result.lumelOfReceiver.begin(), result.lumelOfReceiver.end(), 0u);
@@ -132,6 +133,7 @@ ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, 
     ReceiverCluster c;
     c.firstReceiver = static_cast<uint32_t>(range.data() - result.lumelOfReceiver.data());
     c.receivers = static_cast<uint32_t>(range.size());
+    if (!wide.empty()) c.wide = static_cast<uint32_t>(std::stable_partition(range.begin(), range.end(), [&](uint32_t l) { return wide[l] != 0; }) - range.begin());
     std::vector<std::vector<Asked>> asked;
     asked.reserve(range.size());
     for (uint32_t l : range) {

@@ -13,6 +13,7 @@ namespace hl {
 
 struct ReceiverCluster {
   uint32_t firstReceiver = 0, receivers = 0;
+  uint32_t wide = 0;                       ///< the first receivers, so many, have more rows than that of irradiance
   std::vector<uint32_t> probes;            ///< that any of its receivers asks, rising
   uint32_t slots = 0;                      ///< of the receiver that asks most, at least 1
   std::vector<shared::SrpNear> near;       ///< receivers x slots; `column` counts coefficients, `coefficients` of them a probe
@@ -27,7 +28,8 @@ struct ReceiverClusters {
 /// Falloff of a probe's weight with distance over radius: 1 - 3 t^2 + 2 t^3, 0 from 1 on (equation 4.4).
 float probeWeight(float t);
 
-/// `side`: the longest of the scene's bounds, which params.radius is a share of [m]. `coefficients`: columns a probe. @throws Error(Cancelled)
-ReceiverClusters makeClusters(const Atlas&, std::span<const vec3> probes, const SrpParams&, float side, uint32_t coefficients, Progress&);
+/// `side`: the longest of the scene's bounds, which params.radius is a share of [m]. `coefficients`: columns a probe. `wide`: which lumels' receivers have more rows than that of
+/// irradiance; empty: none. @throws Error(Cancelled)
+ReceiverClusters makeClusters(const Atlas&, std::span<const vec3> probes, const SrpParams&, float side, uint32_t coefficients, std::span<const uint8_t> wide, Progress&);
 
 }  // namespace hl

@@ -6,15 +6,35 @@
 #include "engine/core/log.h"
 #include "engine/core/math.h"
 #include "engine/techniques/srp/cpca.h"
+#include "engine/techniques/srp/hemisphere_basis.h"
 
 namespace hl {
+namespace {
+
+/// Samples are not spread as evenly as the integral is: their mean factors are not what they ought to be, and light that is the same everywhere would have a shape. Each row takes
+/// of irradiance's what sets that right (a control variate), so that constant radiance comes out as it is.
+void keepConstantRadiance(const ClusterSums& sums, std::vector<float>& alpha, const SrpParams& params) {
+  const size_t terms = sums.rows - 1, columns = sums.columns;
+  for (size_t r = 0; r < sums.wide && !sums.moments.empty(); ++r) {
+    const float samples = params.sample_weight == kSampleWeightValid ? sums.valid[r] : static_cast<float>(params.receiver_rays);
+    if (!(samples > 0)) continue;
+    for (size_t j = 0; j < terms; ++j) {
+      const float missing = shared::hemisphereMeanFactor(static_cast<int>(j)) - sums.moments[r * terms + j] / samples;
+      const float* irradiance = alpha.data() + r * columns;
+      float* row = alpha.data() + (sums.receivers + j * sums.wide + r) * columns;
+      for (size_t i = 0; i < columns; ++i) row[i] += missing * irradiance[i];
+    }
+  }
+}
+
+}  // namespace
 
 ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint32_t seed) {
   const auto all = static_cast<float>(params.receiver_rays);
   ClusterTransport t;
-  t.receivers = sums.receivers, t.rows = sums.rows, t.columns = sums.columns;
+  t.receivers = sums.receivers, t.wide = sums.wide, t.rows = sums.rows, t.columns = sums.columns;
   std::vector<float>& alpha = sums.matrix;
-  const uint32_t rows = sums.receivers * sums.rows;
+  const uint32_t rows = t.allRows();
   const size_t strata = sums.receivers > 0 ? sums.strata.size() / sums.receivers : 0;
   for (size_t r = 0; r < sums.receivers; ++r) {
     t.valid.push_back(sums.valid[r] / all);
@@ -28,9 +48,12 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
       }
       t.readsOf.push_back(static_cast<uint32_t>(t.reads.size() - before));
     }
-    for (size_t row = r; row < rows; row += sums.receivers)
+    for (size_t k = 0; k < (r < sums.wide ? sums.rows : 1); ++k) {
+      const size_t row = k == 0 ? r : sums.receivers + (k - 1) * sums.wide + r;
       for (size_t i = 0; i < sums.columns; ++i) alpha[row * sums.columns + i] *= scale;
+    }
   }
+  keepConstantRadiance(sums, alpha, params);
   if (params.compression == kCompressionNone) {
     for (float a : alpha) t.total += static_cast<double>(a) * static_cast<double>(a);
     t.rank = sums.columns;

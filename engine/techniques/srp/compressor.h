@@ -14,10 +14,11 @@ namespace hl {
 
 /// A cluster's sums as they come from the device.
 struct ClusterSums {
-  uint32_t receivers = 0, rows = 1, columns = 0, coefficients = 1;  ///< rows: a receiver; coefficients: columns a probe
-  std::vector<float> matrix;   ///< rows x receivers x columns: sums of the kernel over samples
+  uint32_t receivers = 0, wide = 0, rows = 1, columns = 0, coefficients = 1;  ///< rows: a wide receiver, of which there are the first `wide`; coefficients: columns a probe
+  std::vector<float> matrix;   ///< all rows (unit.h) x columns: sums of the kernel over samples
   std::vector<float> valid;    ///< one a receiver: samples that some probe speaks for, or that are dark
   std::vector<shared::SrpStratum> strata = {};  ///< sample_weight surface: receivers x so many
+  std::vector<float> moments = {};              ///< receivers radiance: wide receivers x (rows - 1): sums of factors (hemisphere_basis.h) over those samples that count
   std::vector<float> answered = {};             ///< ... one a receiver: samples that no probe sees and that are known all the same
 };
 

@@ -15,7 +15,7 @@ struct MatrixSize {
 };
 MatrixSize sizeOf(const ReceiverCluster& c, const SrpParams& params, uint32_t coefficients) {
   MatrixSize s;
-  s.rows = static_cast<double>(c.receivers) * rowsOf(params), s.columns = static_cast<double>(c.probes.size()) * coefficients;
+  s.rows = allRows(c, params), s.columns = static_cast<double>(c.probes.size()) * coefficients;
   s.rank = std::min({static_cast<double>(params.pca_vectors), s.rows, s.columns});
   return s;
 }
@@ -25,13 +25,13 @@ MatrixSize sizeOf(const ReceiverCluster& c, const SrpParams& params, uint32_t co
 std::vector<WorkPart> transportWork(const ReceiverClusters& clusters, size_t first, size_t last, const SrpParams& params, uint32_t coefficients) {
   WorkPart rays, sums, decompositions;
   rays.name = "rays", rays.passes = {"srp: make rays", "srp: cast rays", "srp: ask probes", "srp: mutual visibility", "srp: weigh"};
-  sums.name = "sums", sums.kind = WorkPart::Kind::Sums, sums.passes = {"srp: accumulate", "srp: read surfaces"};
+  sums.name = "sums", sums.kind = WorkPart::Kind::Sums, sums.passes = {"srp: accumulate", "srp: accumulate radiance", "srp: read surfaces"};
   decompositions.name = "decompositions", decompositions.kind = WorkPart::Kind::Sums, decompositions.passes = {"srp: compress"};
   for (size_t i = first; i < last; ++i) {
     const ReceiverCluster& c = clusters.clusters[i];
     const double samples = static_cast<double>(c.receivers) * params.receiver_rays, questions = samples * c.slots;
     rays.amount += samples + questions;
-    sums.amount += questions * coefficients * rowsOf(params);
+    sums.amount += allRows(c, params) * static_cast<double>(params.receiver_rays) * c.slots * coefficients;
     const MatrixSize m = sizeOf(c, params, coefficients);
     decompositions.amount += params.compression == kCompressionNone ? m.rows * m.columns : decompositionWork(static_cast<uint32_t>(m.rows), static_cast<uint32_t>(m.columns), static_cast<uint32_t>(params.pca_vectors));
   }

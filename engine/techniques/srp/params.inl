@@ -35,6 +35,8 @@ PARAM_ENUM_BEGIN(SrpReceivers)
 PARAM_ENUM_VALUE(kReceiversIrradiance, 0, "irradiance", "Irradiance for the surface's own normal: one transport vector a receiver (the thesis).")
 PARAM_ENUM_VALUE(kReceiversDirectional, 1, "directional",
                  "How irradiance changes with the normal besides, for smooth normals and normal maps: four vectors a receiver, and four times the matrices.")
+PARAM_ENUM_VALUE(kReceiversRadiance, 2, "radiance",
+                 "Receivers on glossy surfaces also know radiance over their hemisphere, to glossy_order: their indirect light is seen reflected. Others know irradiance.")
 PARAM_ENUM_END(SrpReceivers)
 
 PARAM_ENUM_BEGIN(SrpProbeShare)
@@ -50,6 +52,9 @@ PARAM_INT(receiver_rays, 1024, 16, 16384, 64, 4096, Log, Rebuild, "rays", "Rays 
 PARAM_INT(probe_rays, 1024, 64, 16384, 64, 4096, Log, Rebuild, "rays",
           "Rays a probe casts once. What they hit is looked up in the lightmap in every frame.")
 PARAM_ENUM(receivers, SrpReceivers, kReceiversIrradiance, Rebuild, "What receivers know of the light that reaches them.")
+PARAM_INT(glossy_order, 4, 0, 8, 0, 8, Linear, Rebuild, "order",
+          "receivers radiance: degree of the polynomials that hold radiance at a glossy receiver; (n + 1)(n + 2) / 2 vectors beside irradiance's. Sharper reflections for more memory and time.")
+PARAM_INT(glossy_samples, 64, 4, 512, 16, 256, Log, Live, "directions", "receivers radiance: directions of a glossy pixel's lobe in which radiance is read.")
 PARAM_ENUM(support, SrpSupport, kSupportReceiverRadius, Rebuild, "Which probes a receiver may ask.")
 PARAM_FLOAT(radius, 0.25, 0.01, 4, 0.05, 1, Log, Rebuild, "of the longest side", "probe_radius: how far a probe reaches.")
 PARAM_INT(k, 8, 1, 64, 1, 32, Log, Rebuild, "probes", "receiver_radius: probes a receiver asks at most.")
@@ -75,11 +80,11 @@ PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What 
 PARAM_BOOL(surface_share, true, Rebuild,
            "What a probe says is divided by the share of surfaces among what it sees round there, so that surfaces beside the open are not darkened; rays into the open then bring nothing, and nothing is asked for them.")
 PARAM_FLOAT(blur_limit, 1, 0, 16, 0.5, 4, Linear, Rebuild, "lengths of the ray",
-            "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0: asked wherever it sees.")
+            "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0, and with receivers radiance in a scene with glossy surfaces: asked wherever it sees.")
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
           "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
-PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance (directional receivers: at the pixel's too). Either way it is counted.")
+PARAM_BOOL(clamp_negative, false, Live, "Cuts off what ringing makes negative, at the receiver's whole irradiance (directional receivers: at the pixel's too; radiance: what a pixel reflects). Either way it is counted.")
 PARAM_INT(precompute_memory_mb, 512, 1, 65536, 64, 8192, Log, Rebuild, "MiB",
           "Memory that precomputation works in, results apart. Less makes it slower and never changes what is computed.")
 PARAM_BOOL(cache, true, Rebuild, "Finished clusters are kept on disk, by content: what was stopped goes on there, and what was done is not done again.")

@@ -7,6 +7,8 @@
 #include "engine/core/error.h"
 #include "engine/core/hash.h"
 #include "engine/techniques/srp/directional.h"
+#include "engine/techniques/srp/glossy.h"
+#include "engine/techniques/srp/hemisphere_basis.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 
@@ -20,7 +22,11 @@ constexpr uint32_t kVersion = 6;
 
 /// What every device takes as groups along y.
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
-float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
+/// And radiance has a direction: that to a lumel so near is none (README).
+float blurLimit(const SceneView& scene, const SrpParams& params) {
+  const bool radiance = params.receivers == kReceiversRadiance && scene.features.glossySurfaces;
+  return params.sample_weight == kSampleWeightSurface && !radiance ? params.blur_limit : 0;
+}
 
 constexpr size_t kMostClusters = 65535;
 
@@ -36,7 +42,12 @@ uint32_t readsOf(const SrpParams& params) {
   return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
 }
 
-uint32_t rowsOf(const SrpParams& params) { return params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1; }
+uint32_t rowsOf(const SrpParams& params) {
+  if (params.receivers == kReceiversRadiance) return 1 + static_cast<uint32_t>(shared::hemisphereTerms(params.glossy_order));
+  return params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1;
+}
+
+uint32_t allRows(const ReceiverCluster& c, const SrpParams& params) { return c.receivers + (rowsOf(params) - 1) * c.wide; }
 
 Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, const ProbeSamples* samples,
                                Progress& progress)
@@ -61,7 +72,7 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
   if (store) finished = store->read(clusters_.clusters.size());
   for (size_t i = 0; i < finished.size(); ++i) {
     const ReceiverCluster& c = clusters_.clusters[i];
-    if (finished[i].receivers == c.receivers && finished[i].rows == rows_ && finished[i].columns == c.probes.size() * coefficients_) continue;
+    if (finished[i].receivers == c.receivers && finished[i].wide == c.wide && finished[i].rows == rows_ && finished[i].columns == c.probes.size() * coefficients_) continue;
     throw Error(ErrorKind::Run, store->file().string() + ": does not fit what it was made for; delete it");
   }
   fromDisk_ = cluster_ = finished.size();
@@ -70,7 +81,8 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
 
 ReceiverClusters Precomputation::clustersOf(const SceneView& scene, const SrpParams& params, Progress& progress) {
   const vec3 extent = scene.scene.bounds.max - scene.scene.bounds.min;
-  return makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), static_cast<uint32_t>(shared::shCount(params.sh_order)), progress);
+  return makeClusters(*scene.atlas, scene.probes->positions, params, std::max(extent.x, std::max(extent.y, extent.z)), static_cast<uint32_t>(shared::shCount(params.sh_order)),
+                      wideLumels(scene, params), progress);
 }
 
 std::string Precomputation::key(const Device& device, const SceneView& scene, const SrpParams& params) {
@@ -86,7 +98,8 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
   for (const Lumel& l : scene.atlas->lumels) h.value(l.position).value(l.normal);
   h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
   h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size).value(params.least_clusters);
-  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(params));
+  if (params.receivers == kReceiversRadiance) h.value(params.glossy_order).array(wideLumels(scene, params));
+  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(scene, params));
   h.value(params.surface_share).value(params.surface_share ? params.probe_rays : 0);
   return h.hex();
 }
@@ -97,7 +110,7 @@ void Precomputation::allocate(const SceneView& scene) {
   const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
   uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
   for (const ReceiverCluster& c : clusters_.clusters) {
-    matrix = std::max<uint64_t>(matrix, uint64_t{c.receivers} * rows_ * c.probes.size() * coefficients_);
+    matrix = std::max<uint64_t>(matrix, uint64_t{allRows(c, params_)} * c.probes.size() * coefficients_);
     near = std::max<uint64_t>(near, c.near.size());
     receivers = std::max<uint64_t>(receivers, c.receivers);
     slots = std::max<uint64_t>(slots, c.slots);
@@ -145,6 +158,10 @@ void Precomputation::allocate(const SceneView& scene) {
   matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
   valid_ = device_.buffer("srp: valid samples", 4 * receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
+  uint64_t wide = 1;
+  if (params_.receivers == kReceiversRadiance)
+    for (const ReceiverCluster& c : clusters_.clusters) wide = std::max<uint64_t>(wide, uint64_t{c.wide} * (rows_ - 1));
+  moments_ = device_.buffer("srp: sums of factors", 4 * wide);
   answered_ = device_.buffer("srp: samples of surfaces", 4 * receivers);
 }
 
@@ -171,6 +188,7 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
   graph.clear("srp: clear transport", matrix_);
   graph.clear("srp: clear valid samples", valid_);
+  if (params_.receivers == kReceiversRadiance) graph.clear("srp: clear sums of factors", moments_);
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
 
@@ -206,9 +224,10 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.firstSample = sample_, unit.samples = samples;
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
-  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = rows_;
+  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1, unit.wide = c.wide;
+  unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
-  unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
+  unit.blurLimit = blurLimit(scene_, params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
@@ -247,6 +266,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("valid", valid_, Access::ReadWrite)
       .push(unit)
       .dispatchThreads(c.receivers * c.slots);
+  recordRadiance(graph, unit);
   if (reads_ > 0) {
     graph.compute("srp: read surfaces", "srp/read_surfaces.comp")
         .bind("hits", hits_, Access::Read)
@@ -273,6 +293,24 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   ++cluster_;
 }
 
+void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& unit) {
+  const uint32_t wide = params_.receivers == kReceiversRadiance ? unit.wide : 0;
+  if (wide == 0) return graph.skip("srp: accumulate radiance", "no receiver of the cluster is glossy");
+  graph.compute("srp: accumulate radiance", "srp/accumulate_radiance.comp")
+      .bind("rays", rays_, Access::Read)
+      .bind("points", points_, Access::Read)
+      .bind("hits", hits_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("questions", questions_, Access::Read)
+      .bind("shares", shares_, Access::Read)
+      .bind("scales", scales_, Access::Read)
+      .bind("surfaces", surfaces_, Access::Read)
+      .bind("matrix", matrix_, Access::ReadWrite)
+      .bind("moments", moments_, Access::ReadWrite)
+      .push(unit)
+      .dispatch((wide * unit.slots + 63) / 64, rows_ - 1);
+}
+
 void Precomputation::recordCompression(FrameGraph& graph) {
   const ReceiverCluster& c = clusters_.clusters[cluster_];
   graph.host("srp: compress")
@@ -280,7 +318,8 @@ void Precomputation::recordCompression(FrameGraph& graph) {
       .read(valid_)
       .read(strata_)
       .read(answered_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, receivers = c.receivers, rows = rows_,
+      .read(moments_)
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
             columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
         if (reads > 0) {
@@ -289,22 +328,26 @@ void Precomputation::recordCompression(FrameGraph& graph) {
           sums.strata.assign(all.begin(), all.end());
           sums.answered.assign(known.begin(), known.end());
         }
-        sums.receivers = receivers, sums.rows = rows, sums.columns = columns, sums.coefficients = coefficients;
-        const std::span<float> values = memory.span<float>(matrix).first(size_t{receivers} * rows * columns), counts = memory.span<float>(valid).first(receivers);
+        sums.receivers = receivers, sums.wide = wide, sums.rows = rows, sums.columns = columns, sums.coefficients = coefficients;
+        const std::span<float> values = memory.span<float>(matrix).first(size_t{matrixRows} * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
         sums.valid.assign(counts.begin(), counts.end());
+        if (radiance) {
+          const std::span<float> factors = memory.span<float>(moments).first(size_t{wide} * (rows - 1));
+          sums.moments.assign(factors.begin(), factors.end());
+        }
         compressor->add(std::move(sums));
       });
 }
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = surfaces_ = {};
+  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = surfaces_ = moments_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
-  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_}) bytes += *b ? b->size() : 0;
+  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_, &moments_}) bytes += *b ? b->size() : 0;
   return bytes;
 }
 

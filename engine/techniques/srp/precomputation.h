@@ -15,8 +15,9 @@ namespace hl {
 
 /// Lumels that a receiver reads at most.
 uint32_t readsOf(const SrpParams&);
-/// Rows of transport a receiver has: one, or those of directional receivers.
+/// Rows of transport that a wide receiver has: of directional receivers all are, of radiance receivers those on glossy surfaces.
 uint32_t rowsOf(const SrpParams&);
+uint32_t allRows(const ReceiverCluster&, const SrpParams&);
 
 class Precomputation {
  public:
@@ -49,6 +50,7 @@ class Precomputation {
   void allocate(const SceneView&);
   void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);
+  void recordRadiance(FrameGraph&, const shared::SrpUnit&);
   void recordSurfaceShare(FrameGraph&);
   void recordCompression(FrameGraph&);
 
@@ -57,7 +59,7 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, surfaces_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, surfaces_, moments_;
   const ProbeSamples* samples_;   ///< null: not asked
   bool surfacesKnown_ = false;
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
@@ -67,7 +69,7 @@ class Precomputation {
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;
   float offset_ = 0;
-  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a receiver
+  uint32_t coefficients_ = 1, rows_ = 1;  ///< columns a probe; rows a wide receiver
 };
 
 }  // namespace hl

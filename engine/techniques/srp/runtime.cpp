@@ -8,6 +8,7 @@
 
 #include "engine/core/error.h"
 #include "engine/techniques/srp/directional.h"
+#include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/unit.h"
 #include "engine/techniques/srp/probe_samples.h"
 #include "shaders/shared/spherical_harmonics.h"
@@ -50,6 +51,12 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   counters_ = device_.buffer("srp: counters", shared::kSrpCounters * sizeof(uint32_t));
   uploadPages(clusters, transport);
   uploadReads(transport);
+  if (params.receivers != kReceiversRadiance || wide_ == 0) return;
+  terms_ = rowsOf(params) - 1;
+  const uint64_t bytes = sizeof(vec3) * uint64_t{wide_} * terms_;
+  if (bytes > device_.maxStorageBufferBytes())
+    throw Error(ErrorKind::TooLarge, fmt::format("srp: radiance at {} receivers on glossy surfaces is {} MiB, more than a buffer of this device holds; lower srp.glossy_order", wide_, bytes >> 20));
+  incident_ = device_.buffer("srp: radiance at glossy receivers", bytes);
 }
 
 void SrpRuntime::uploadReads(std::span<const ClusterTransport> transport) {
@@ -77,6 +84,7 @@ void SrpRuntime::uploadPages(const ReceiverClusters& all, std::span<const Cluste
   std::vector<uint32_t> probes, words;
   std::vector<float> numbers;
   uint32_t vectors = 0;
+  wide_ = 0;
   Page page;
   const auto finish = [&] {
     if (page.clusters == 0) return;
@@ -110,14 +118,17 @@ void SrpRuntime::uploadPages(const ReceiverClusters& all, std::span<const Cluste
     g.basis = static_cast<uint32_t>(numbers.size());
     numbers.insert(numbers.end(), t.basis.begin(), t.basis.end());
     g.weights = static_cast<uint32_t>(numbers.size());
+    g.rows = t.allRows(), g.wide = t.wide, g.firstWide = wide_;
+    wide_ += t.wide;
     for (uint32_t k = 0; k < t.rank; ++k)
-      for (uint32_t r = 0; r < t.receivers * t.rows; ++r) numbers.push_back(t.weights[size_t{r} * t.rank + k]);
+      for (uint32_t r = 0; r < g.rows; ++r) numbers.push_back(t.weights[size_t{r} * t.rank + k]);
     probes.insert(probes.end(), c.probes.begin(), c.probes.end());
     vectors += t.rank;
     clusters.push_back(g);
     ++page.clusters;
     page.mostRank = std::max(page.mostRank, t.rank);
     page.mostReceivers = std::max(page.mostReceivers, c.receivers);
+    page.mostWide = std::max(page.mostWide, c.wide);
   }
   finish();
   clusters_ = device_.buffer("srp: clusters", std::span<const shared::SrpCluster>(clusters));
@@ -236,6 +247,21 @@ void SrpRuntime::recordClusters(FrameGraph& graph) {
         .specialize("kReads", anyReads_ ? 1 : 0)
         .push(batch)
         .dispatch((page.mostReceivers + kLanes - 1) / kLanes, page.clusters);
+    if (terms_ == 0 || page.mostWide == 0) continue;
+    graph.compute("srp: radiance transport", "srp/radiance_transport.comp")
+        .bind("clusters", clusters_, Access::Read)
+        .bind("page", page.words, Access::Read)
+        .bind("vectors", vectors_, Access::Read)
+        .bind("lumelOfReceiver", lumelOfReceiver_, Access::Read)
+        .bind("incident", incident_, Access::Write)
+        .bind("points", points_, Access::Read)
+        .bind("firstRead", firstRead_, Access::Read)
+        .bind("reads", reads_, Access::Read)
+        .bind("radiance", radiance_, Access::Read)
+        .specialize("kHalf", half)
+        .specialize("kReads", anyReads_ ? 1 : 0)
+        .push(batch)
+        .dispatch((page.mostWide + kLanes - 1) / kLanes, page.clusters, terms_);
   }
 }
 
@@ -251,7 +277,9 @@ std::vector<MemoryItem> SrpRuntime::memory() const {
   uint64_t lumels = 0, probes = 0;
   for (const Buffer* b : {&points_, &reflectance_, &direct_, &irradiance_, &slopes_, &noIrradiance_, &radiance_, &lumelOfReceiver_}) lumels += b->size();
   for (const Buffer* b : {&codes_, &basis_, &partSums_, &coefficients_}) probes += b->size();
-  return {{"transport matrices", matrixBytes()}, {"surfaces read", readBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
+  std::vector<MemoryItem> items = {{"transport matrices", matrixBytes()}, {"surfaces read", readBytes()}, {"clusters", clusters_.size() + clusterProbes_.size() + vectors_.size()}, {"probes", probes}, {"lumels", lumels}};
+  if (incident_) items.push_back({"radiance at glossy receivers", incident_.size()});
+  return items;
 }
 
 SrpRuntime::Counts SrpRuntime::counts() const {

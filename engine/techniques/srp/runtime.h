@@ -38,6 +38,8 @@ class SrpRuntime {
   uint64_t matrixBytes() const;                             ///< of clusters' matrices as they are stored
   uint64_t readBytes() const;                               ///< of what receivers read off surfaces
   const Buffer& radiance() const { return radiance_; }      ///< vec4 a lumel
+  /// RGB a receiver on a glossy surface and coefficient (hemisphere_basis.h, each times its norm), receivers in the order of clusters; empty where there is none.
+  const Buffer& incident() const { return incident_; }
   struct Counts {
     uint32_t negative = 0, nonFinite = 0;                   ///< receivers
   };
@@ -47,7 +49,7 @@ class SrpRuntime {
   static constexpr uint32_t kSlopes = 4;  ///< a lumel: of red, green and blue, and the constants
   struct Page {
     Buffer words;
-    uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0;
+    uint32_t firstCluster = 0, clusters = 0, mostRank = 0, mostReceivers = 0, mostWide = 0;
   };
   void uploadPages(const ReceiverClusters&, std::span<const ClusterTransport>);
   void uploadReads(std::span<const ClusterTransport>);
@@ -61,6 +63,8 @@ class SrpRuntime {
   uint32_t lumels_ = 0, probes_ = 0, coefficientCount_ = 1, parts_ = 1;
   std::vector<Page> pages_;
   Buffer points_, reflectance_, direct_, irradiance_, slopes_, directionalTable_, noIrradiance_, radiance_, codes_, basis_, partSums_, coefficients_, clusters_, clusterProbes_, vectors_, lumelOfReceiver_, firstRead_, reads_, counters_;
+  Buffer incident_;
+  uint32_t wide_ = 0, terms_ = 0;  ///< receivers on glossy surfaces, coefficients of each
   bool anyReads_ = false;
   uint32_t directSample_ = 0, frame_ = 0;
   bool clearWanted_ = true, clearDirectWanted_ = true;

@@ -8,6 +8,7 @@
 #include "engine/passes/lightmap_images.h"
 #include "engine/passes/pixel_image.h"
 #include "engine/techniques/srp/estimate.h"
+#include "engine/techniques/srp/glossy.h"
 #include "engine/techniques/srp/pick.h"
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/probe_samples.h"
@@ -51,6 +52,7 @@ class Srp final : public Technique {
     Transport t;
     t.bounces = params_.multi_bounce ? kAllBounces : 1;
     t.frontFacesOnly = true;
+    t.glossyLastBounce = params_.receivers == kReceiversRadiance;
     t.receiver = directional() ? ReceiverNormal::MappedAtReceiver : ReceiverNormal::Geometric;
     return t;
   }
@@ -122,6 +124,7 @@ class Srp final : public Technique {
     runtime_ = std::make_unique<SrpRuntime>(*gpu_, *view_, params_, precomputation_->clusters(), precomputation_->transport(), tables_, samples_->codes(),
                                             samples_->directions());
     runtime_->restart(params_);
+    reflection_ = std::make_unique<Reflection>(gpu_->device, *view_, precomputation_->clusters(), tables_);
     uploadViews();
   }
 
@@ -149,7 +152,7 @@ class Srp final : public Technique {
       images_->recordPixels(graph, "srp: show texels", in.gbuffer, texels_, true, true);
     }
     if (in.view == "lightmap_direct") images_->recordMeans(graph, "direct lightmap", runtime_->direct(), directImage_);
-    return {result_};
+    return {result_, recordReflection(graph, in)};
   }
 
   std::vector<DebugView> debugViews() const override {
@@ -177,7 +180,8 @@ class Srp final : public Technique {
     items.push_back({"transport on the host", precomputation_->hostBytes()});
     for (auto& [name, bytes] : images_->memory()) items.push_back({name, bytes});
     uint64_t pixels = 0;
-    for (const GpuImage& image : {result_, texels_, directImage_})
+    if (reflection_ && reflection_->any()) items.push_back({"texels of glossy surfaces", reflection_->bytes()});
+    for (const GpuImage& image : {result_, specular_, texels_, directImage_})
       if (image) pixels += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
     items.push_back({"irradiance at pixels", pixels});
     return items;
@@ -188,8 +192,12 @@ class Srp final : public Technique {
     if (!runtime_) return {};
     const Summary& s = summary();
     const double number = params_.storage == kStorageFloat16 ? 2 : 4, vectors = sizeof(vec4) * s.vectors, receivers = precomputation_->clusters().receivers();
-    return {{"srp: project clusters", static_cast<uint64_t>(s.basis * number + vectors)},
-            {"srp: irradiance transport", static_cast<uint64_t>(s.weights * number + vectors + receivers * (sizeof(vec4) + sizeof(uint32_t)) + s.reads * (sizeof(shared::SrpRead) + sizeof(vec4)))}};
+    const double weights = s.weights - s.radianceWeights;
+    std::vector<MemoryItem> moved = {
+            {"srp: project clusters", static_cast<uint64_t>(s.basis * number + vectors)},
+            {"srp: irradiance transport", static_cast<uint64_t>(weights * number + vectors + receivers * (sizeof(vec4) + sizeof(uint32_t)) + s.reads * (sizeof(shared::SrpRead) + sizeof(vec4)))}};
+    if (runtime_->incident()) moved.push_back({"srp: radiance transport", static_cast<uint64_t>(s.radianceWeights * number + vectors + static_cast<double>(runtime_->incident().size()))});
+    return moved;
   }
 
   std::vector<std::pair<std::string, double>> counters() const override {
@@ -222,6 +230,12 @@ class Srp final : public Technique {
     list.push_back({"negative_receivers", counts.negative});
     list.push_back({"lightmap_nan_inf", counts.nonFinite});
     list.push_back({"pixels_without_texel", images_->pixelsWithoutTexel()});
+    if (!runtime_->incident()) return list;
+    const Reflection::Counts reflected = reflection_->counts();
+    list.push_back({"glossy_receivers", s.wide});
+    list.push_back({"negative_reflections", reflected.negative});
+    list.push_back({"reflections_nan_inf", reflected.nonFinite});
+    list.push_back({"reflections_without_texel", reflected.withoutTexel});
     return list;
   }
 
@@ -252,7 +266,7 @@ class Srp final : public Technique {
   struct Summary {
     size_t clusters = 0;
     float leastValid = 0;
-    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, basis = 0, weights = 0;  ///< numbers: of the matrices, uncompressed
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, basis = 0, weights = 0, wide = 0, radianceWeights = 0;  ///< numbers: of the matrices, uncompressed
   };
   const Summary& summary() const {
     const std::vector<ClusterTransport>& transport = precomputation_->transport();
@@ -260,7 +274,9 @@ class Srp final : public Technique {
     Summary s;
     s.clusters = transport.size(), s.leastValid = params_.least_valid;
     for (const ClusterTransport& t : transport) {
-      s.numbers += static_cast<double>(t.receivers) * t.rows * static_cast<double>(t.columns);
+      s.numbers += static_cast<double>(t.allRows()) * static_cast<double>(t.columns);
+      s.wide += t.wide;
+      if (params_.receivers == kReceiversRadiance) s.radianceWeights += static_cast<double>(t.wide) * (t.rows - 1) * t.rank;
       s.reads += static_cast<double>(t.reads.size());
       s.total += t.total, s.discarded += t.discarded;
       s.basis += static_cast<double>(t.basis.size()), s.weights += static_cast<double>(t.weights.size());
@@ -270,15 +286,27 @@ class Srp final : public Technique {
     return summary_ = s;
   }
 
+  GpuImage recordReflection(FrameGraph& graph, const FrameInputs& in) {
+    if (params_.receivers != kReceiversRadiance) return {};
+    if (!reflection_->any() || !in.gbuffer.specular) {
+      graph.skip("srp: reflect", "no receiver is on a glossy surface");
+      return {};
+    }
+    specular_ = pixelImage(gpu_->device, specular_, "srp: reflected radiance at pixels", in.gbuffer);
+    reflection_->record(graph, in.gbuffer, in.camera, *images_, runtime_->incident(), params_, specular_);
+    return specular_;
+  }
+
   bool directional() const { return params_.receivers == kReceiversDirectional; }
 
   void drop() {
     summary_ = {};
+    reflection_.reset();
     runtime_.reset();
     precomputation_.reset();
     samples_.reset();
     images_.reset();
-    result_ = texels_ = directImage_ = clusterView_ = validView_ = {};
+    result_ = specular_ = texels_ = directImage_ = clusterView_ = validView_ = {};
     frames_ = sinceChange_ = 0;
   }
 
@@ -322,7 +350,8 @@ class Srp final : public Technique {
   std::unique_ptr<ProbeSamples> samples_;
   std::unique_ptr<Precomputation> precomputation_;
   std::unique_ptr<SrpRuntime> runtime_;
-  GpuImage result_, texels_, directImage_, clusterView_, validView_;
+  std::unique_ptr<Reflection> reflection_;
+  GpuImage result_, specular_, texels_, directImage_, clusterView_, validView_;
   mutable Summary summary_;
   double albedo_ = 0;
   float shownLeastValid_ = -1;             ///< in the view

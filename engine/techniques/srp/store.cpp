@@ -21,13 +21,13 @@ namespace hl {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kMagic = "halflight transport 3\n";
+constexpr std::string_view kMagic = "halflight transport 4\n";
 
 std::string header(const std::string& key) { return std::string(kMagic) + key + "\n"; }
 
 std::string encode(const ClusterTransport& c) {
   ByteWriter w;
-  w.value(c.receivers), w.value(c.rows), w.value(c.columns), w.value(c.rank);
+  w.value(c.receivers), w.value(c.wide), w.value(c.rows), w.value(c.columns), w.value(c.rank);
   w.array(c.basis), w.array(c.weights), w.array(c.valid), w.array(c.readsOf), w.array(c.reads);
   w.value(c.total), w.value(c.discarded);
   return w.take();
@@ -36,13 +36,13 @@ std::string encode(const ClusterTransport& c) {
 ClusterTransport decode(std::string_view bytes) {
   ByteReader r(bytes);
   ClusterTransport c;
-  c.receivers = r.value<uint32_t>(), c.rows = r.value<uint32_t>(), c.columns = r.value<uint32_t>(), c.rank = r.value<uint32_t>();
+  c.receivers = r.value<uint32_t>(), c.wide = r.value<uint32_t>(), c.rows = r.value<uint32_t>(), c.columns = r.value<uint32_t>(), c.rank = r.value<uint32_t>();
   r.array(c.basis), r.array(c.weights), r.array(c.valid), r.array(c.readsOf), r.array(c.reads);
   c.total = r.value<double>(), c.discarded = r.value<double>();
   uint64_t reads = 0;
   for (uint32_t n : c.readsOf) reads += n;
   const uint64_t basis = c.basis.empty() ? 0 : uint64_t{c.rank} * c.columns;
-  if (!r.atEnd() || c.basis.size() != basis || c.weights.size() != uint64_t{c.receivers} * c.rows * c.rank || c.valid.size() != c.receivers ||
+  if (!r.atEnd() || c.rows < 1 || c.wide > c.receivers || c.basis.size() != basis || c.weights.size() != (c.receivers + (uint64_t{c.rows} - 1) * c.wide) * c.rank || c.valid.size() != c.receivers ||
       (!c.readsOf.empty() && c.readsOf.size() != c.receivers) || c.reads.size() != reads)
     throw std::out_of_range("sizes");
   return c;

@@ -27,9 +27,8 @@ layout(push_constant, scalar) uniform Constants { SrpPage batch; };
 
 /// What row `row` of the cluster's receiver r says of the light.
 vec3 transported(SrpCluster c, uint row, uint r) {
-  uint rows = kDirectional ? kSrpDirectionalRows * c.receivers : c.receivers;
   vec3 sum = vec3(0.0);
-  for (uint k = 0u; k < c.rank; ++k) sum += entry(c.weights + k * rows + row * c.receivers + r) * vectors[c.firstVector + k].xyz;
+  for (uint k = 0u; k < c.rank; ++k) sum += entry(c.weights + k * c.rows + row * c.receivers + r) * vectors[c.firstVector + k].xyz;
   return sum;
 }
 

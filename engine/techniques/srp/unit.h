@@ -24,17 +24,20 @@ struct SrpUnit {
   uint environment;   ///< 1: rays into the open ask too
   int order;
   float offset;       ///< of rays that start at a hit, in front of it [m]
-  uint rows;          ///< a receiver: 1, or kSrpDirectionalRows
+  uint rows;          ///< a wide receiver, in the sums of accumulate.comp: 1, or kSrpDirectionalRows
   uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
   uint surfaceShare;  ///< 1: what a probe says is divided by the share of surfaces there
   float blurLimit;    ///< a probe is asked for what it blurs over at most so many lengths of the receiver's ray; 0: for all
   uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
   uint allSamples;    ///< of a receiver, in all units
   uint resolution;    ///< of the lightmap
+  uint wide;          ///< the first receivers, so many, have all rows; the others one
+  uint everySample;   ///< 1: samples that no probe sees count too, as read off surfaces or as dark
 };
 
 /// Rows of the matrix that a directional receiver has: its irradiance, and the three parts of irradiance's change with the normal, in the frame that
-/// orthonormalBasis gives for its own. All receivers' first rows come first, then their second ones.
+/// orthonormalBasis gives for its own. All receivers' first rows come first, then the second ones of those that have them, which are the cluster's first.
+/// A radiance receiver on a glossy surface has its irradiance and coefficients of radiance (hemisphere_basis.h) in that frame.
 HL_CONST uint kSrpDirectionalRows = 4u;
 
 /// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
@@ -77,7 +80,10 @@ struct SrpCluster {
   uint rank;          ///< entries of its light vector
   uint firstVector;   ///< in the buffer of light vectors
   uint basis;         ///< rank x (probes * coefficients), rows after each other
-  uint weights;       ///< rank x receivers: all receivers' first weights, then their second
+  uint weights;       ///< rank x rows: all receivers' first rows, then the second ones of those that have them
+  uint rows;          ///< of all receivers together
+  uint wide;          ///< the first receivers, so many, have more than one
+  uint firstWide;     ///< wide receivers in clusters before
 };
 
 /// Push constants of a frame's matrix passes: clusters [first, first + count), which share a page.
@@ -92,6 +98,19 @@ struct SrpPage {
 HL_CONST uint kSrpNegative = 0u;     ///< receivers with a negative channel
 HL_CONST uint kSrpNonFinite = 1u;
 HL_CONST uint kSrpCounters = 2u;
+
+/// Counters of what the camera sees reflected.
+HL_CONST uint kSrpReflectedNegative = 0u;   ///< pixels with a negative channel, before any clamp
+HL_CONST uint kSrpReflectedNonFinite = 1u;
+HL_CONST uint kSrpReflectedNoTexel = 2u;    ///< glossy pixels without a glossy receiver
+HL_CONST uint kSrpReflectedCounters = 3u;
+
+/// Push constants of reflect.comp.
+struct SrpReflect {
+  vec3 eye;
+  uint samples;        ///< of a pixel's lobe
+  uint clampNegative;
+};
 
 HL_END
 #endif
