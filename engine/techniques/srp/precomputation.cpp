@@ -20,7 +20,6 @@ constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
 constexpr uint32_t kVersion = 6;
 
-/// What every device takes as groups along y.
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
 /// And radiance has a direction: that to a lumel so near is none (README).
 float blurLimit(const SceneView& scene, const SrpParams& params) {
@@ -28,6 +27,7 @@ float blurLimit(const SceneView& scene, const SrpParams& params) {
   return params.sample_weight == kSampleWeightSurface && !radiance ? params.blur_limit : 0;
 }
 
+/// What every device takes as groups along y.
 constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
