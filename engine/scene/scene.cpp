@@ -162,7 +162,10 @@ void finishScene(Scene& scene) {
     const vec3 left = vec3(1.0f) - glm::min(highest, vec3(kMaxAlbedo));
     if (glm::all(glm::lessThanEqual(m.specular, left + kReflectanceSlack))) continue;
     ++scene.report.cappedSpecular;
+    const vec3 asked = m.specular;
     m.specular = glm::min(m.specular, left);
+    scene.report.warnings.push_back(fmt::format("material '{}': albedo and specular together reflect more than arrives; specular {:.3g}, {:.3g}, {:.3g} counts as {:.3g}, {:.3g}, {:.3g}", m.name, asked.x, asked.y, asked.z,
+                                                m.specular.x, m.specular.y, m.specular.z));
   }
   if (!scene.animations.empty()) {
     separateMovingVertices(scene);

@@ -121,7 +121,7 @@ TEST_F(RadianceReceivers, ABrightWallComesNearerWithTheOrder) {
   const std::string scene = room(R"({"albedo": 0.1})", R"({"albedo": 0.8})", R"({"type": "point", "name": "lamp", "position": [0.2, 1, 0.3], "intensity": 5})",
                                  0.05, 0.6, 0.5);
   std::vector<double> errors;
-  for (const int order : {0, 2, 4, 7}) {
+  for (const int order : {0, 4, 7}) {
     auto session = makeSession();
     Preset p = preset(scene, order);
     p.parameters["srp.sh_order"] = "7";
@@ -137,27 +137,26 @@ TEST_F(RadianceReceivers, ABrightWallComesNearerWithTheOrder) {
       EXPECT_LT(std::abs(error(*session, "bias")), 0.02);
     }
   }
-  EXPECT_LT(errors[1], 0.5 * errors[0]);
-  EXPECT_LT(errors[2], 0.6 * errors[1]);
-  EXPECT_LT(errors[3], 0.9 * errors[2]);
-  EXPECT_LT(errors[3], 0.06);
+  EXPECT_LT(errors[1], 0.25 * errors[0]);
+  EXPECT_LT(errors[2], 0.9 * errors[1]);
+  EXPECT_LT(errors[2], 0.06);
 }
 
 TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLight) {
   const std::string scene = room(R"({"albedo": 0.7})", R"({"albedo": [0.7, 0.1, 0.1]})", R"({"type": "point", "name": "lamp", "position": [0.3, 1.4, 0.1], "intensity": 5})", 0.3, 0.5, 0.4);
-  const auto run = [&](const char* receivers, const char* order) {
+  const auto run = [&](const char* receivers, const char* limit = "0") {
     auto session = makeSession();
     Preset p = quickPreset(scene, "srp");
     p.parameters["srp.compression"] = "none";
     p.parameters["srp.receivers"] = receivers;
-    p.parameters["srp.glossy_order"] = order;
-    p.parameters["srp.blur_limit"] = "0";  // as with radiance
+    p.parameters["srp.glossy_order"] = "3";
+    p.parameters["srp.blur_limit"] = limit;
     session->load(p);
     session->settle();
     expectNoMessages(*session);
     return session;
   };
-  auto plain = run("irradiance", "3"), radiance = run("radiance", "3");
+  auto plain = run("irradiance"), radiance = run("radiance");
   const double receivers = counter(*radiance, "receivers"), glossy = counter(*radiance, "glossy_receivers");
   EXPECT_GT(glossy, 0);
   EXPECT_LT(glossy, 0.3 * receivers);  // one of six walls
@@ -166,6 +165,16 @@ TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLi
   EXPECT_NEAR(ratio, 1 + 10 * glossy / receivers, 0.15 * ratio);
   const Image a = plain->image("indirect_irradiance"), b = radiance->image("indirect_irradiance");
   for (size_t i = 0; i < a.data.size(); ++i) ASSERT_NEAR(b.data[i], a.data[i], 1e-5f * std::abs(a.data[i]) + 1e-7f);
+  // The limit is for receivers without reflections alone: walls hardly miss it on the floor.
+  const Image limited = run("irradiance", "1")->image("indirect_irradiance"), limitedRadiance = run("radiance", "1")->image("indirect_irradiance");
+  const auto apart = [](const Image& x, const Image& y) {
+    double difference = 0, all = 0;
+    for (size_t i = 0; i < x.data.size(); ++i) difference += std::abs(static_cast<double>(x.data[i]) - static_cast<double>(y.data[i])), all += static_cast<double>(x.data[i]);
+    return difference / all;
+  };
+  std::printf("blur_limit moves light by %.4f; with reflections on the floor by %.4f of that\n", apart(limited, a), apart(limited, limitedRadiance) / apart(limited, a));
+  EXPECT_GT(apart(limited, a), 0.005);
+  EXPECT_LT(apart(limited, limitedRadiance), 0.7 * apart(limited, a));
   // No glossy surface: nothing but the name differs.
   const auto diffuse = [&](const char* kind) { return settledIndirect(*makeSession(), [&] {
     Preset p = quickPreset("point_light_cube", "srp");
@@ -173,6 +182,50 @@ TEST_F(RadianceReceivers, GlossySurfacesAloneHaveMoreRowsAndTheOthersKeepTheirLi
     return p;
   }()); };
   EXPECT_EQ(diffuse("irradiance").data, diffuse("radiance").data);
+}
+
+TEST_F(RadianceReceivers, AreTheSameToTheBitWhateverMemoryThereIs) {
+  const std::string scene = room(R"({"albedo": 0.7})", R"({"albedo": [0.7, 0.1, 0.1]})", R"({"type": "point", "name": "lamp", "position": [0.3, 1.4, 0.1], "intensity": 5})", 0.3, 0.5, 0.4);
+  std::vector<float> images[2];
+  uint64_t units[2] = {};
+  for (int i = 0; i < 2; ++i) {
+    auto session = makeSession();
+    Preset p = quickPreset(scene, "srp");
+    p.parameters["srp.receivers"] = "radiance", p.parameters["srp.cache"] = "false";
+    p.parameters["srp.sh_order"] = "0", p.parameters["srp.glossy_order"] = "2", p.parameters["srp.k"] = "8", p.parameters["lightmap.resolution"] = "48";
+    p.parameters["srp.cluster_size"] = "1024", p.parameters["srp.least_clusters"] = "1", p.parameters["srp.precompute_memory_mb"] = i == 0 ? "512" : "3";
+    session->load(p);
+    session->settle();
+    images[i] = session->image("specular").data;
+    units[i] = session->frame()->workUnits;
+    ASSERT_GT(units[i], 0u) << session->frame()->message;
+  }
+  EXPECT_GT(units[1], units[0]);
+  EXPECT_EQ(images[0], images[1]);
+}
+
+// Two triangles of one wall whose normals differ by less than shows, but in the sign of z, where the frames of their receivers turn half round.
+TEST_F(RadianceReceivers, AWallOfTwoNormalsIsOneWall) {
+  const auto reflections = [&](const char* x) {
+    const std::string corners = std::string("[[-1, 0, 1], [") + x + ", 0, -1], [-1, 2, -1], [" + x + ", 2, 1]]";
+    Preset p = quickPreset(folder.write("wall.json", R"({"version": 1, "lightmap_uvs": true, "shapes": [
+        {"type": "box", "name": "room", "min": [-1, 0, -1], "max": [1, 2, 1], "facing": "inward", "faces": ["+x", "-y", "+y", "-z", "+z"], "material": "white", "face_materials": {"-z": "red"}},
+        {"type": "quad", "name": "wall", "material": "glossy", "corners": )" + corners + R"(}],
+      "materials": {"white": {"albedo": 0.7}, "red": {"albedo": [0.7, 0.1, 0.1]}, "glossy": {"albedo": 0.02, "specular": 0.9, "roughness": 0.4}},
+      "lights": [{"type": "point", "name": "lamp", "position": [0.3, 1.4, 0.1], "intensity": 5}],
+      "cameras": [{"name": "wall", "position": [0.9, 1, 0.1], "target": [-1, 1, 0], "vertical_fov_degrees": 70}]})"), "srp");
+    p.parameters["srp.receivers"] = "radiance", p.parameters["srp.compression"] = "none";
+    auto session = makeSession();
+    session->load(p);
+    session->settle();
+    return session->image("specular");
+  };
+  const Image flat = reflections("-1"), bent = reflections("-0.99999976");
+  double difference = 0, all = 0;
+  for (size_t i = 0; i < flat.data.size(); ++i) difference += std::abs(static_cast<double>(bent.data[i]) - static_cast<double>(flat.data[i])), all += static_cast<double>(flat.data[i]);
+  ASSERT_GT(all, 0);
+  std::printf("a wall of two normals: reflections differ by %.4f of their mean\n", difference / all);
+  EXPECT_LT(difference / all, 0.02);
 }
 
 TEST_F(RadianceReceivers, WhatTheDiskHasIsTheSameToTheBit) {

@@ -29,13 +29,14 @@ void main() {
   // Of N stratified samples the lowest is at 1 / sqrt(N).
   float least = inversesqrt(float(unit.allSamples));
   if (q == 0u) {
-    float sum = 0.0;
+    uint at = receiver * gl_NumWorkGroups.y + row;
+    float sum = moments[at];  // sample after sample, whatever units they come in
     for (uint s = 0u; s < unit.samples; ++s) {
       uint r = receiver * unit.samples + s;
       vec3 own = rays[r].direction;
       if (unit.everySample != 0u || scales[r] != kSrpInvalid) sum += hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
     }
-    moments[receiver * gl_NumWorkGroups.y + row] += sum;
+    moments[at] = sum;
   }
   if (!(n.weight > 0.0)) return;
   vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));

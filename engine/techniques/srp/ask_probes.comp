@@ -46,7 +46,9 @@ void main() {
         // The solid angle that the probe tells apart covers d^2 resolution^2 / cos of the surface.
         float resolution = kPi / float(unit.order + 1);
         float wide = unit.blurLimit * hit.t;
-        if (unit.blurLimit > 0.0 && d3 * resolution * resolution > height * wide * wide) share = -share;
+        // Not where reflections are asked for too: a lumel so near says what comes from there, and not well enough from which direction.
+        bool limited = unit.blurLimit > 0.0 && r / unit.samples >= unit.blurFrom;
+        if (limited && d3 * resolution * resolution > height * wide * wide) share = -share;
       }
     }
   }

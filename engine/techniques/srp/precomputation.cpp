@@ -18,21 +18,16 @@ namespace {
 /// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
 constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
 /// Counts with the results: whoever changes what is computed raises it.
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
-/// And radiance has a direction: that to a lumel so near is none (README).
-float blurLimit(const SceneView& scene, const SrpParams& params) {
-  const bool radiance = params.receivers == kReceiversRadiance && scene.features.glossySurfaces;
-  return params.sample_weight == kSampleWeightSurface && !radiance ? params.blur_limit : 0;
-}
+float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
 
 /// What every device takes as groups along y.
 constexpr size_t kMostClusters = 65535;
 
 constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
 constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
-
 
 float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
@@ -99,7 +94,7 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
   h.value(params.sh_order).value(params.receiver_rays).value(params.receivers).value(params.support).value(params.radius).value(params.k);
   h.value(params.compression).value(params.pca_vectors).value(params.pca_tolerance).value(params.pca_keep_constant).value(params.clustering).value(params.cluster_size).value(params.least_clusters);
   if (params.receivers == kReceiversRadiance) h.value(params.glossy_order).array(wideLumels(scene, params));
-  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(scene, params));
+  h.value(params.environment_rays).value(params.sample_weight).value(readsOf(params)).value(params.probe_share).value(blurLimit(params));
   h.value(params.surface_share).value(params.surface_share ? params.probe_rays : 0);
   return h.hex();
 }
@@ -227,7 +222,8 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1, unit.wide = c.wide;
   unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
-  unit.blurLimit = blurLimit(scene_, params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
+  unit.blurFrom = params_.receivers == kReceiversRadiance ? c.wide : 0;
+  unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);

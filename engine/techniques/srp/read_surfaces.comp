@@ -34,7 +34,10 @@ void main() {
     vec4 first = texelFetch(triangles, int(2u * hit.primitive));
     vec4 second = texelFetch(triangles, int(2u * hit.primitive + 1u));
     uint code = codeOfLumel(lumelOfTexel[texelHit(first, second, hit.u, hit.v, unit.resolution)]);
-    if (code == kCodeNoTexel) continue;
+    if (code == kCodeNoTexel) {
+      if (scales[r] == kSrpCoarse) known -= 1.0;  // counted with those that are answered (accumulate.comp): it is not
+      continue;
+    }
     if (scales[r] == kSrpInvalid) known += 1.0;
     uint sampleIndex = unit.firstSample + s;
     uint stratum = receiver * unit.reads + sampleIndex * unit.reads / unit.allSamples;

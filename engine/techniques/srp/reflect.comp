@@ -80,7 +80,7 @@ void main() {
     vec2 p = vec2(imageLoad(normal, pixel).w, geometric.w) * float(side);
     ivec2 low = ivec2(floor(p - 0.5));
     vec2 f = p - 0.5 - vec2(low);
-    vec3 frameNormal = vec3(0.0);
+    vec3 frameNormal = vec3(0.0), frameTangent = vec3(0.0);
     float weights = 0.0;
     for (int corner = 0; corner < 4; ++corner) {
       ivec2 step = ivec2(corner & 1, corner >> 1), texel = low + step;
@@ -91,8 +91,11 @@ void main() {
       uint receiver = glossyOfTexel[t];
       if (receiver == kNoLumel) continue;
       // On curved charts each texel has a frame of its own.
-      if (dot(normals[receiver], frameNormal) < kSameNormal) {
-        frameNormal = normals[receiver];
+      vec3 tangent, bitangent;
+      orthonormalBasis(normals[receiver], tangent, bitangent);
+      // Two normals that are alike may have frames that are not: they turn round where z changes its sign.
+      if (dot(normals[receiver], frameNormal) < kSameNormal || dot(tangent, frameTangent) < kSameNormal) {
+        frameNormal = normals[receiver], frameTangent = tangent;
         integrate(frameNormal, geometric.xyz, view, lobe.w);
       }
       vec3 sum = vec3(0.0);
