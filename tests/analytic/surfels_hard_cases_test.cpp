@@ -118,7 +118,7 @@ TEST(SurfelHardCase, FullMemoryPlacesNoMoreAndSaysSo) {
 TEST(SurfelHardCase, FullCellsAreCutTheSameInEveryFrame) {
   SurfelsHarness h(loadScene("furnace_box_050"));
   small(h);
-  h.set("surfels.cell_limit", "8").set("surfels.radius_max", "0.2").set("surfels.hit_reach", "1");  // else what the limit hides from pixels reaches farther
+  h.set("surfels.cell_limit", "8").set("surfels.place_every", "1").set("surfels.radius_max", "0.2").set("surfels.hit_reach", "1");  // else what the limit hides from pixels reaches farther
   h.rebuild();
   for (int i = 0; i < 60; ++i) h.frame(h.scene.cameras.front());
   EXPECT_GT(h.counter("cell_overflows"), 0);

@@ -10,11 +10,13 @@ void main() {
   if (frame.frame == 0u) {
     totals.highWater = totals.freeCount = totals.alive = totals.priority = totals.young = 0u;
   }
+  // Without surfels no lists are made, so no lists of the past count either.
+  bool anew = frame.listed != 0u || frame.surfels == 0u;
   totals.lastPriority = totals.priority;
   totals.lastYoung = totals.young;
   totals.priority = 0u;
   totals.inView = totals.young = 0u;
-  if (frame.listed != 0u) totals.entries = totals.largestCell = totals.largestTile = 0u;
+  if (anew) totals.entries = totals.largestCell = totals.largestTile = 0u;
   for (uint i = 0u; i < kSurfelCounters; ++i)
-    if (frame.listed != 0u || (i != kCountCellOverflows && i != kCountDroppedLists)) totals.counters[i] = 0u;  // what the lists lack they lack until they are made anew
+    if (anew || (i != kCountCellOverflows && i != kCountDroppedLists)) totals.counters[i] = 0u;  // what the lists lack they lack until they are made anew
 }

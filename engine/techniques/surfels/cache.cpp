@@ -45,7 +45,7 @@ SurfelCache::SurfelCache(Gpu& gpu, const SceneView& scene, const SurfelsParams& 
   if (n * shared::kRecordTexels > device_.maxTexelBufferElements())
     throw Error(ErrorKind::TooLarge, "surfels: " + std::to_string(n) + " surfels are more than this device's texel buffers hold (" +
                                        std::to_string(device_.maxTexelBufferElements() / shared::kRecordTexels) + "); lower surfels.max_surfels");
-  grid_ = std::make_unique<SurfelGrid>(device_, plan, maxSurfels_, params.grid == kGridCamera);
+  grid_ = std::make_unique<SurfelGrid>(device_, plan, maxSurfels_, params.grid == kGridCamera, params.hit_reach);
   prefix_ = std::make_unique<PrefixSum>(device_, PrefixSum::kMost);
   sites_ = device_.buffer("surfels: sites", n * sizeof(shared::Surfel));
   states_ = device_.buffer("surfels: estimates", n * sizeof(shared::SurfelState));

@@ -82,12 +82,17 @@ CameraGridPlan planCameraGrid(const Bounds& sceneBounds, vec3 eye, float least, 
   }
 }
 
-SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels, bool camera)
-    : device_(device), plan_(plan), camera_(camera), sorting_(device.isCpu() ? kSortingOnCpu : kSortingOnGpu), room_(maxSurfels * kMostCellsOfSurfel) {
-  const uint64_t bytes = uint64_t{maxSurfels} * kMostCellsOfSurfel * sizeof(uint32_t);
+uint32_t entriesASurfel(float hitReach) {
+  const float more = std::max(1.0f, hitReach / 2);
+  return static_cast<uint32_t>(std::ceil(static_cast<float>(kMostCellsOfSurfel) * more * more));  // discs: by the square
+}
+
+SurfelGrid::SurfelGrid(Device& device, const GridPlan& plan, uint32_t maxSurfels, bool camera, float hitReach)
+    : device_(device), plan_(plan), camera_(camera), sorting_(device.isCpu() ? kSortingOnCpu : kSortingOnGpu), room_(maxSurfels * entriesASurfel(hitReach)) {
+  const uint64_t bytes = uint64_t{maxSurfels} * entriesASurfel(hitReach) * sizeof(uint32_t);
   if (bytes > device.maxStorageBufferBytes())
     throw Error(ErrorKind::TooLarge, "surfels: lists of cells for " + std::to_string(maxSurfels) + " surfels take " + std::to_string(bytes) +
-                                       " bytes, a buffer of this device holds " + std::to_string(device.maxStorageBufferBytes()) + "; lower surfels.max_surfels");
+                                       " bytes, a buffer of this device holds " + std::to_string(device.maxStorageBufferBytes()) + "; lower surfels.max_surfels or surfels.hit_reach");
   reserve(0);
   entries_ = device.buffer("surfels: cell entries", bytes);
   noTiles_ = device.buffer("surfels: no tiles", sizeof(vec2));

@@ -19,13 +19,15 @@ struct GridPlan {
 };
 inline constexpr uint32_t kMostCells = 1u << 18;
 inline constexpr uint32_t kMostCellsOfSurfel = 27;
+/// Room that lists have for each surfel on average, where hidden ones reach so many radii: three radii to a cell, so up to two fit into as many cells as one does.
+uint32_t entriesASurfel(float hitReach);
 /// The camera's grid of one frame (grid_cells.h).
 struct CameraGridPlan {
   shared::GridShape shape{1, 1, 1, 1, 1};
   std::array<shared::GridRegion, shared::kGridRegions> regions{};
   uint32_t cells = 0;
 };
-/// Cells of twice a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` and at most `most` [m]; of once that, as in
+/// Cells of three times a surfel's radius, where that is `perDistance` times the distance from the eye but at least `least` and at most `most` [m]; of once that, as in
 /// the uniform grid, from where it is `most`. They are enlarged where there would be more than kMostCells.
 CameraGridPlan planCameraGrid(const Bounds&, vec3 eye, float least, float perDistance, float most);
 
@@ -47,7 +49,7 @@ inline constexpr SurfelSorting kSortingOnCpu{128, 512, 0};
 class SurfelGrid {
  public:
   /// @throws Error(TooLarge) where a buffer of the device can't hold the lists
-  SurfelGrid(Device&, const GridPlan&, uint32_t maxSurfels, bool camera = false);
+  SurfelGrid(Device&, const GridPlan&, uint32_t maxSurfels, bool camera = false, float hitReach = 1);
 
   const GridPlan& plan() const { return plan_; }
   bool camera() const { return camera_; }
