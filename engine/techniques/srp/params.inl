@@ -80,7 +80,7 @@ PARAM_ENUM(sample_weight, SrpSampleWeight, kSampleWeightSurface, Rebuild, "What 
 PARAM_BOOL(surface_share, true, Rebuild,
            "What a probe says is divided by the share of surfaces among what it sees round there, so that surfaces beside the open are not darkened; rays into the open then bring nothing, and nothing is asked for them.")
 PARAM_FLOAT(blur_limit, 1, 0, 16, 0.5, 4, Linear, Rebuild, "lengths of the ray",
-            "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0, and with receivers radiance in a scene with glossy surfaces: asked wherever it sees.")
+            "sample_weight surface: a probe that blurs what a ray hit over more than this is not asked, and the lightmap read where none is. 0, and by receivers on glossy surfaces with receivers radiance: asked wherever it sees.")
 PARAM_INT(surface_reads, 16, 1, 64, 1, 64, Log, Rebuild, "lumels",
           "sample_weight surface: lumels that a receiver reads at most, each for several of its rays. Fewer make places that probes see little of noisier.")
 PARAM_FLOAT(least_valid, 0.5, 0, 1, 0, 1, Linear, Live, "share", "A receiver with fewer valid samples than this is marked and counted.")
