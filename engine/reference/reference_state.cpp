@@ -66,6 +66,7 @@ ReferenceState parse(std::string_view bytes, std::string_view key, const Referen
   s.backFaceHits = h.backFaceHits, s.nonFinite = h.nonFinite, s.paths = h.paths, s.rays = h.rays;
   const char* at = payload.data() + sizeof h;
   const auto take = [&at](auto& v) {
+    if (v.empty()) return;  // no lobes: memcpy takes no null
     std::memcpy(v.data(), at, v.size() * sizeof v[0]);
     at += v.size() * sizeof v[0];
   };

@@ -110,9 +110,9 @@ TEST_P(EveryTechnique, ScaleAndPlaceDoNotMatter) {
     return meanOf(settledIndirect(*session, smallPreset(folder.write("placed.json", room(side, centre)), GetParam()))).y;
   };
   const float expected = indirect(2, vec3(0));
-  // Where surfels are placed and recycled is drawn by chance, which the least rounding turns: what is left is their sampling error, about 1e-3 of such a mean
-  // (1.2e-3 and 2.3e-3 over seeds, in smaller pictures of surfels_invariances_test).
-  const float bound = GetParam() == std::string("surfels") ? 2.5e-3f : 1e-3f;
+  // Where surfels are placed and recycled is drawn by chance, which the least rounding turns: what is left is their sampling error. Of such a mean it is 8e-4 (five seeds at
+  // each of three sizes, whose means over seeds agree to 2e-4), so of a difference 1.2e-3: the bound is three and a half of these.
+  const float bound = GetParam() == std::string("surfels") ? 4.2e-3f : 1e-3f;
   EXPECT_NEAR(indirect(2e-3f, vec3(0)), expected, bound * expected);
   EXPECT_NEAR(indirect(2e3f, vec3(0)), expected, bound * expected);
   EXPECT_NEAR(indirect(2, vec3(1e4f, 0, -1e4f)), expected, 1e-2f * expected);
