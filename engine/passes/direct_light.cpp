@@ -191,11 +191,13 @@ struct DirectLight::Impl {
     s.restart();
   }
 
-  /// All pixels, piece by piece: points from the G-buffer, then one batch. `ofLobes`: what they reflect, not what falls on the pixels.
-  void recordPieces(FrameGraph& graph, const std::string& prefix, const GBuffer& g, float offset, shared::DirectBatch b,
-                    const Buffer& sum, bool ofLobes) {
+  /// All pixels, piece by piece: points from the G-buffer, then one batch. With `eye` what lobes reflect towards it, without what falls on the pixels.
+  void recordPieces(FrameGraph& graph, const std::string& prefix, const GBuffer& g, const DirectParams& params, const vec3* eye, shared::DirectBatch b,
+                    const Buffer& sum) {
+    if (eye) b.eye = *eye;
+    const float offset = params.ray_offset * scene.diagonal;
     const auto pixels = static_cast<uint32_t>(g.width) * static_cast<uint32_t>(g.height);
-    const uint32_t piece = std::min(pixels, pointsAtOnce(ofLobes ? shared::lobeLightSlots(b) + shared::lobeRaySlots(b) : shared::directSlots(b)));
+    const uint32_t piece = std::min(pixels, pointsAtOnce(eye ? shared::lobeLightSlots(b) + shared::lobeRaySlots(b) : shared::directSlots(b)));
     if (!points || points.size() < uint64_t{piece} * sizeof(shared::SurfacePoint))
       points = device.buffer("direct: points", uint64_t{piece} * sizeof(shared::SurfacePoint));
     for (uint32_t first = 0; first < pixels; first += piece) {
@@ -213,11 +215,24 @@ struct DirectLight::Impl {
           .dispatchThreads(constants.count);
       b.targetBase = first;
       b.count = constants.count;
-      if (ofLobes)
+      if (eye)
         recordLobeBatch(graph, prefix, g, sum, b);
       else
         recordBatch(graph, prefix, points, sum, b);
     }
+  }
+
+  /// Punctual lights have one direction each: one ray tells all there is to know.
+  void recordPunctual(FrameGraph& graph, const std::string& prefix, const GBuffer& g, const DirectParams& params, const vec3* eye, PixelSums& s) {
+    recordPieces(graph, prefix, g, params, eye, batch(s.seed, 0, 1, true, false), s.punctual);
+    s.punctualDone = true;
+  }
+
+  /// The next samples of all other light, as many as a frame may take.
+  void recordSamples(FrameGraph& graph, const std::string& prefix, const GBuffer& g, const DirectParams& params, const vec3* eye, PixelSums& s) {
+    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), static_cast<uint32_t>(params.samples) - s.samplesDone);
+    recordPieces(graph, prefix, g, params, eye, batch(s.seed, s.samplesDone, samples, false, true), s.sampled);
+    s.samplesDone += samples;
   }
 };
 
@@ -249,26 +264,18 @@ GpuImage DirectLight::recordPixels(FrameGraph& graph, const GBuffer& g, const Di
   PixelSums& sums = im.irradiance;
   im.resize(sums, "direct", "irradiance", g.width, g.height);
   im.clear(graph, "direct", sums, seed);
-  const float offset = params.ray_offset * im.scene.diagonal;
   const bool punctualNow = im.punctualLeft(sums), sampledNow = im.samplesLeft(sums, params);
-
-  // Punctual lights have one direction each: one ray tells all there is to know.
-  if (punctualNow) {
-    im.recordPieces(graph, "direct punctual", g, offset, im.batch(seed, 0, 1, true, false), sums.punctual, false);
-    sums.punctualDone = true;
-  } else {
+  if (punctualNow)
+    im.recordPunctual(graph, "direct punctual", g, params, nullptr, sums);
+  else
     im.skipBatch(graph, "direct punctual", im.scene.lightCount == 0 ? "scene has no punctual lights" : "settled");
-  }
-  if (sampledNow) {
-    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), static_cast<uint32_t>(params.samples) - sums.samplesDone);
-    im.recordPieces(graph, "direct", g, offset, im.batch(seed, sums.samplesDone, samples, false, true), sums.sampled, false);
-    sums.samplesDone += samples;
-  } else {
+  if (sampledNow)
+    im.recordSamples(graph, "direct", g, params, nullptr, sums);
+  else
     im.skipBatch(graph, "direct",
                  im.hasSampled()  ? "settled"
                  : im.hasLights() ? "scene has no emitters, no sky and no environment map"
                                   : kNoLights);
-  }
   if (punctualNow || sampledNow)
     im.recordMean(graph, "direct: mean", sums);
   else
@@ -285,25 +292,13 @@ GpuImage DirectLight::recordSpecular(FrameGraph& graph, const GBuffer& g, vec3 e
   PixelSums& sums = im.specular;
   im.resize(sums, "direct specular", "radiance", g.width, g.height);
   im.clear(graph, "direct specular", sums, seed);
-  const float offset = params.ray_offset * im.scene.diagonal;
   const bool punctualNow = im.punctualLeft(sums), sampledNow = im.samplesLeft(sums, params);
   if (!punctualNow && !sampledNow) {
     graph.skip("direct specular", "settled");
     return sums.result;
   }
-  const auto record = [&](const char* prefix, shared::DirectBatch b, const Buffer& to) {
-    b.eye = eye;
-    im.recordPieces(graph, prefix, g, offset, b, to, true);
-  };
-  if (punctualNow) {
-    record("direct specular punctual", im.batch(seed, 0, 1, true, false), sums.punctual);
-    sums.punctualDone = true;
-  }
-  if (sampledNow) {
-    const uint32_t samples = std::min(static_cast<uint32_t>(params.samples_per_frame), static_cast<uint32_t>(params.samples) - sums.samplesDone);
-    record("direct specular", im.batch(seed, sums.samplesDone, samples, false, true), sums.sampled);
-    sums.samplesDone += samples;
-  }
+  if (punctualNow) im.recordPunctual(graph, "direct specular punctual", g, params, &eye, sums);
+  if (sampledNow) im.recordSamples(graph, "direct specular", g, params, &eye, sums);
   im.recordMean(graph, "direct specular: mean", sums);
   return sums.result;
 }

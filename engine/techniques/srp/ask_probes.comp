@@ -47,7 +47,7 @@ void main() {
         float resolution = kPi / float(unit.order + 1);
         float wide = unit.blurLimit * hit.t;
         // Not where reflections are asked for too: a lumel so near says what comes from there, and not well enough from which direction.
-        bool limited = unit.blurLimit > 0.0 && r / unit.samples >= unit.blurFrom;
+        bool limited = unit.blurLimit > 0.0 && r / unit.samples >= unit.wide;
         if (limited && d3 * resolution * resolution > height * wide * wide) share = -share;
       }
     }

@@ -190,13 +190,12 @@ void Precomputation::beginCluster(FrameGraph& graph) {
 void Precomputation::recordSurfaceShare(FrameGraph& graph) {
   surfacesKnown_ = true;
   if (!params_.surface_share) return graph.skip("srp: share of surfaces", "srp.surface_share is off");
-  const Buffer basis = device_.buffer("srp: basis of probes' rays", std::span<const float>(weightedBasis(samples_->directions(), params_.sh_order)));
   struct Constants {
     uint32_t probes, samples, coefficients;
-  } constants{static_cast<uint32_t>(scene_.probes->count()), static_cast<uint32_t>(samples_->directions().size()), coefficients_};
+  } constants{static_cast<uint32_t>(scene_.probes->count()), samples_->samples(), coefficients_};
   graph.compute("srp: share of surfaces", "srp/surface_share.comp")
       .bind("codes", samples_->codes(), Access::Read)
-      .bind("basis", basis, Access::Read)
+      .bind("basis", samples_->basis(), Access::Read)
       .bind("surfaces", surfaces_, Access::Write)
       .push(constants)
       .dispatchThreads(constants.probes * constants.coefficients);
@@ -219,10 +218,10 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.firstSample = sample_, unit.samples = samples;
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
   unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
-  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1, unit.wide = c.wide;
+  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1;
   unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
   unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
-  unit.blurFrom = params_.receivers == kReceiversRadiance ? c.wide : 0;
+  unit.wide = params_.receivers == kReceiversRadiance ? c.wide : 0;
   unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
   unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
 
@@ -290,8 +289,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
 }
 
 void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& unit) {
-  const uint32_t wide = params_.receivers == kReceiversRadiance ? unit.wide : 0;
-  if (wide == 0) return graph.skip("srp: accumulate radiance", "no receiver of the cluster is glossy");
+  if (unit.wide == 0) return graph.skip("srp: accumulate radiance", "no receiver of the cluster is glossy");
   graph.compute("srp: accumulate radiance", "srp/accumulate_radiance.comp")
       .bind("rays", rays_, Access::Read)
       .bind("points", points_, Access::Read)
@@ -304,7 +302,7 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("moments", moments_, Access::ReadWrite)
       .push(unit)
-      .dispatch((wide * unit.slots + 63) / 64, rows_ - 1);
+      .dispatch((unit.wide * unit.slots + 63) / 64, rows_ - 1);
 }
 
 void Precomputation::recordCompression(FrameGraph& graph) {

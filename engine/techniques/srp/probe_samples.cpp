@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "engine/core/error.h"
 #include "engine/core/spherical_harmonics64.h"
@@ -13,7 +14,18 @@
 namespace hl {
 namespace {
 constexpr uint32_t kUnitRays = 1u << 16;
+
+std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
+  std::vector<float> table;
+  const double weight = 4 * std::numbers::pi / static_cast<double>(directions.size());
+  for (vec3 d : directions) {
+    const sh64::ShCoefficients y = sh64::shBasis(order, glm::normalize(glm::dvec3(d)));
+    for (int j = 0; j < sh64::shCount(order); ++j) table.push_back(static_cast<float>(weight * y.c[j]));
+  }
+  return table;
 }
+
+}  // namespace
 
 std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed) {
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -31,18 +43,8 @@ std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed) {
   return directions;
 }
 
-std::vector<float> weightedBasis(std::span<const vec3> directions, int order) {
-  std::vector<float> table;
-  const double weight = 4 * std::numbers::pi / static_cast<double>(directions.size());
-  for (vec3 d : directions) {
-    const sh64::ShCoefficients y = sh64::shBasis(order, glm::normalize(glm::dvec3(d)));
-    for (int j = 0; j < sh64::shCount(order); ++j) table.push_back(static_cast<float>(weight * y.c[j]));
-  }
-  return table;
-}
-
-ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel)
-    : device_(gpu.device), scene_(scene), samples_(samples), directions_(sphereDirections(samples, scene.seed)), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
+ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, int order, const Buffer& triangles, const Buffer& lumelOfTexel)
+    : device_(gpu.device), scene_(scene), samples_(samples), triangles_(triangles), lumelOfTexel_(lumelOfTexel) {
   probes_ = static_cast<uint32_t>(scene.probes->count());
   probesAUnit_ = std::clamp(kUnitRays / samples, 1u, std::max(1u, probes_));
   units_ = (probes_ + probesAUnit_ - 1) / probesAUnit_;
@@ -52,9 +54,11 @@ ProbeSamples::ProbeSamples(Gpu& gpu, const SceneView& scene, uint32_t samples, c
                                        " MiB, more than a buffer of this device holds; lower srp.probe_rays");
   std::vector<vec4> positions, table;
   for (vec3 p : scene.probes->positions) positions.push_back(vec4(p, 0.0f));
-  for (vec3 d : directions_) table.push_back(vec4(d, 0.0f));
+  const std::vector<vec3> directions = sphereDirections(samples, scene.seed);
+  for (vec3 d : directions) table.push_back(vec4(d, 0.0f));
   positions_ = device_.buffer("srp: probes", std::span<const vec4>(positions));
   directionTable_ = device_.buffer("srp: directions", std::span<const vec4>(table));
+  basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, order)));
   const uint64_t rays = uint64_t{probesAUnit_} * samples;
   rays_ = device_.buffer("srp: probes' rays", rays * sizeof(shared::Ray), TexelFormat::RGBA32F);
   hits_ = device_.buffer("srp: probes' hits", rays * sizeof(shared::Hit));

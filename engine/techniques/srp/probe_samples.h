@@ -1,6 +1,5 @@
 #pragma once
 // What probes see: rays in the same directions for all, each probe's in its own frame (probe_frame.h), and the lumels that they hit, found once (Bennett 2019, section 5.2).
-#include <span>
 #include <string>
 #include <vector>
 
@@ -12,23 +11,23 @@ namespace hl {
 /// harmonics are summed far better over it than over as many random directions. `seed` turns the whole set.
 std::vector<vec3> sphereDirections(uint32_t count, uint32_t seed);
 
-/// Y_j in each direction, times the sample's solid angle 4 pi / N: samples x coefficients.
-std::vector<float> weightedBasis(std::span<const vec3> directions, int order);
-
 class ProbeSamples {
  public:
   /// Of all samples: into the open, to back faces, to surfaces without a lumel.
   struct Counts {
     uint64_t misses = 0, backFaces = 0, withoutTexel = 0;
   };
-  ProbeSamples(Gpu&, const SceneView&, uint32_t samples, const Buffer& triangles, const Buffer& lumelOfTexel);
+  /// `samples`: rays a probe; `order`: of the harmonics that basis() has.
+  ProbeSamples(Gpu&, const SceneView&, uint32_t samples, int order, const Buffer& triangles, const Buffer& lumelOfTexel);
 
   uint64_t units() const { return units_; }
   uint64_t done() const { return done_; }
   void recordUnit(FrameGraph&);
   void release() { rays_ = hits_ = {}; }
   const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
-  const std::vector<vec3>& directions() const { return directions_; }  ///< in a probe's frame
+  /// Y_j in each ray's direction, in a probe's frame, times the sample's solid angle 4 pi / N: samples x coefficients, the same for all probes.
+  const Buffer& basis() const { return basis_; }
+  uint32_t samples() const { return samples_; }  ///< a probe
   const Counts& counts() const;  ///< of units that are done; blocking, but asked of the device once
 
  private:
@@ -38,8 +37,7 @@ class ProbeSamples {
   uint64_t units_ = 0, done_ = 0;
   mutable Counts counts_;
   mutable uint64_t counted_ = 0;  ///< units
-  std::vector<vec3> directions_;
-  Buffer triangles_, lumelOfTexel_, positions_, directionTable_, rays_, hits_, codes_;
+  Buffer triangles_, lumelOfTexel_, positions_, directionTable_, basis_, rays_, hits_, codes_;
 };
 
 }  // namespace hl

@@ -10,7 +10,6 @@
 #include "engine/techniques/srp/directional.h"
 #include "engine/techniques/srp/precomputation.h"
 #include "engine/techniques/srp/unit.h"
-#include "engine/techniques/srp/probe_samples.h"
 #include "shaders/shared/spherical_harmonics.h"
 
 namespace hl {
@@ -29,8 +28,8 @@ void SrpRuntime::check(const Device& device, const SrpParams& params, uint64_t p
 }
 
 SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params, const ReceiverClusters& clusters, std::span<const ClusterTransport> transport,
-                       const LightmapTables& tables, const Buffer& codes, std::span<const vec3> directions)
-    : device_(gpu.device), scene_(scene), params_(params), codes_(codes) {
+                       const LightmapTables& tables, const ProbeSamples& samples)
+    : device_(gpu.device), scene_(scene), params_(params), codes_(samples.codes()), basis_(samples.basis()) {
   lumels_ = clusters.receivers();
   probes_ = static_cast<uint32_t>(scene.probes->count());
   coefficientCount_ = static_cast<uint32_t>(shared::shCount(params.sh_order));
@@ -43,7 +42,6 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   slopes_ = device_.buffer("srp: slopes of irradiance", (directional() ? uint64_t{kSlopes} * lumels_ : 1) * sizeof(vec4));
   noIrradiance_ = device_.buffer("srp: no irradiance", lumels_ * sizeof(vec4));
   radiance_ = device_.buffer("srp: radiance", lumels_ * sizeof(vec4), TexelFormat::RGBA32F);
-  basis_ = device_.buffer("srp: basis of samples", std::span<const float>(weightedBasis(directions, params.sh_order)));
   coefficients_ = device_.buffer("srp: radiance of probes", uint64_t{probes_} * coefficientCount_ * sizeof(vec4));
   parts_ = partsOf(params);
   partSums_ = device_.buffer("srp: sums over parts of probes' rays", partSumBytes(params, probes_));

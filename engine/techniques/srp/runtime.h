@@ -9,15 +9,15 @@
 #include "engine/lightmap/tables.h"
 #include "engine/techniques/srp/cluster_transport.h"
 #include "engine/techniques/srp/clusters.h"
+#include "engine/techniques/srp/probe_samples.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
 
 class SrpRuntime {
  public:
-  /// `codes`: what the probes' rays hit, probes x params.probe_rays. @throws Error(TooLarge) naming what does not fit
-  SrpRuntime(Gpu&, const SceneView&, const SrpParams&, const ReceiverClusters&, std::span<const ClusterTransport>, const LightmapTables&, const Buffer& codes,
-             std::span<const vec3> directions);
+  /// `samples`: what the probes' rays hit. @throws Error(TooLarge) naming what does not fit
+  SrpRuntime(Gpu&, const SceneView&, const SrpParams&, const ReceiverClusters&, std::span<const ClusterTransport>, const LightmapTables&, const ProbeSamples& samples);
 
   /// What can be known before precomputation. @throws Error(TooLarge) naming what does not fit
   static void check(const Device&, const SrpParams&, uint64_t probes);

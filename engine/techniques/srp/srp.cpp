@@ -72,7 +72,7 @@ class Srp final : public Technique {
     Buffer triangles = gpu.device.buffer("srp: triangles", tables_.triangles.size() * sizeof(vec4), TexelFormat::RGBA32F);
     gpu.device.upload(triangles, tables_.triangles.data(), tables_.triangles.size() * sizeof(vec4));
     images_ = std::make_unique<LightmapImages>(gpu.device, "srp", *scene.atlas, tables_, scene.lightmap.dilation);
-    samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), triangles, images_->lumelOfTexel());
+    samples_ = std::make_unique<ProbeSamples>(gpu, scene, static_cast<uint32_t>(params_.probe_rays), params_.sh_order, triangles, images_->lumelOfTexel());
     precomputation_ = std::make_unique<Precomputation>(gpu, scene, params_, triangles, images_->lumelOfTexel(), samples_.get(), progress);
     albedo_ = settlingAlbedo(*scene.atlas);
     tables_.triangles = {};
@@ -121,8 +121,7 @@ class Srp final : public Technique {
     if (!precomputation_->work().settled()) return precomputation_->recordUnit(graph);
     samples_->release();
     precomputation_->release();
-    runtime_ = std::make_unique<SrpRuntime>(*gpu_, *view_, params_, precomputation_->clusters(), precomputation_->transport(), tables_, samples_->codes(),
-                                            samples_->directions());
+    runtime_ = std::make_unique<SrpRuntime>(*gpu_, *view_, params_, precomputation_->clusters(), precomputation_->transport(), tables_, *samples_);
     runtime_->restart(params_);
     reflection_ = std::make_unique<Reflection>(gpu_->device, *view_, precomputation_->clusters(), tables_);
     uploadViews();

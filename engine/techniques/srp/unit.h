@@ -27,7 +27,6 @@ struct SrpUnit {
   uint rows;          ///< a wide receiver, in the sums of accumulate.comp: 1, or kSrpDirectionalRows
   uint solidAngle;    ///< 1: probes share by the solid angle of what was hit too
   uint surfaceShare;  ///< 1: what a probe says is divided by the share of surfaces there
-  uint blurFrom;      ///< the first of the cluster's receivers that blurLimit holds for
   float blurLimit;    ///< a probe is asked for what it blurs over at most so many lengths of the receiver's ray; 0: for all
   uint reads;         ///< strata of a receiver's samples; 0: what no probe sees is not read
   uint allSamples;    ///< of a receiver, in all units
