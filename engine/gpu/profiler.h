@@ -27,7 +27,8 @@ struct BatchTimings {
 
 struct PassStatistics {
   std::string name, where;  ///< "gpu" or "host"
-  double medianMs = 0, p5Ms = 0, p95Ms = 0, lastMs = 0;
+  double medianMs = 0, p5Ms = 0, p95Ms = 0, meanMs = 0, lastMs = 0;  ///< over the frames in which it ran
+  double share = 1;  ///< of the latest frames (the profiler's window, less its warm-up), those in which it ran
   std::string skipped;
 };
 
@@ -44,11 +45,14 @@ class Profiler {
   uint64_t frames() const { return frames_; }
 
  private:
+  double share(const std::string& pass) const;
   size_t window_;
   uint64_t frames_ = 0;
   std::vector<PassTiming> order_;
   std::map<std::string, std::deque<double>> history_;
+  std::map<std::string, std::deque<uint64_t>> ran_;  ///< numbers of history_'s frames
   std::map<std::string, uint64_t> seen_;
+  std::map<std::string, uint64_t> warm_;  ///< the first frame that counts
   std::deque<double> wall_, unaccounted_;
 };
 
