@@ -159,7 +159,7 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
   const bool moves = moved(in, f), lacks = lacksSurfels(params);
   f.still = moves || in.lightsChanged ? 0 : still_;
-  const bool settled = f.frozen == 0 && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames);
+  const bool settled = f.frozen == 0 && params.estimator != kEstimatorEma && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames);
   const uint32_t every = settled ? static_cast<uint32_t>(params.settled_every) : 1, turn = (f.still + every - static_cast<uint32_t>(params.settle_frames) % every) % every;
   f.casts = turn == 0 ? 1 : 0;
   f.gathers = turn == every / 2 ? 1 : 0;
