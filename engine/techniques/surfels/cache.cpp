@@ -66,6 +66,7 @@ void SurfelCache::restart() {
   frame_ = harvested_ = lastPlaced_ = 0;
   listsStand_ = false;
   age_ = 0;
+  still_ = 0;
   last_ = {};
   sums_ = {};
   raysCast_ = 0;
@@ -156,11 +157,17 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   f.maxSurfels = maxSurfels_;
   const double inView = std::min(last_.inView, last_.alive);
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
+  const bool moves = moved(in, f), lacks = lacksSurfels(params);
+  f.still = moves || in.lightsChanged ? 0 : still_;
+  f.settled = f.frozen == 0 && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames) ? 1 : 0;
+  const double budget = static_cast<double>(params.ray_budget) * static_cast<double>(f.settled != 0 ? params.settled_rays : 1.0f);
   const double young = last_.alive > 0 ? static_cast<double>(last_.young) / static_cast<double>(shared::kYoungUnit) : 0;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
-  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * (counted + young)), static_cast<long long>(most)));
-  const bool moves = moved(in, f);
-  f.places = f.frozen == 0 && (moves || lacksSurfels(params) || frame_ - lastPlaced_ >= static_cast<uint32_t>(params.place_every)) ? 1 : 0;
+  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(budget * counted + static_cast<double>(params.ray_budget) * young), static_cast<long long>(most)));
+  const int placeEvery = f.settled != 0 ? std::max(params.place_every, params.settled_place_every) : params.place_every;
+  f.places = f.frozen == 0 && (moves || lacks || frame_ - lastPlaced_ >= static_cast<uint32_t>(placeEvery)) ? 1 : 0;
+  f.gatherStep = f.settled != 0 && params.gather != kGatherHalfResolution ? static_cast<uint32_t>(params.settled_pixels) : 1;
+  f.gatherX = frame_ % f.gatherStep, f.gatherY = frame_ / f.gatherStep % f.gatherStep;
   f.listed = f.surfels > 0 && (moves || !listsStand_) ? 1 : 0;
   f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
   f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);

@@ -39,6 +39,7 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   if (f.places != 0) lastPlaced_ = f.frame;
   lastFrame_ = f;
   age_ = f.age;
+  still_ = f.still + 1;
   ++frame_;
 }
 
@@ -153,10 +154,10 @@ void SurfelCache::recordGather(FrameGraph& graph, const shared::SurfelFrame& f, 
       .bind("totals", totals_, Access::ReadWrite)
       .bind("position", g.position, Access::Read)
       .bind("geometricNormal", g.geometricNormal, Access::Read)
-      .bind("result", target, Access::Write)
+      .bind("result", target, f.gatherStep > 1 ? Access::ReadWrite : Access::Write)  // pixels whose turn it isn't keep what they have
       .specialize("kStep", halves ? 2 : 1)
       .specialize("kSplat", params.gather == kGatherSplat ? 1 : 0)
-      .dispatchThreads(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+      .dispatchThreads((static_cast<uint32_t>(width) + f.gatherStep - 1) / f.gatherStep, (static_cast<uint32_t>(height) + f.gatherStep - 1) / f.gatherStep);
   if (!halves) {
     graph.skip("surfels: upsample", "every pixel gathers");
     return;
