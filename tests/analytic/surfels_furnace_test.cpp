@@ -62,9 +62,10 @@ TEST_P(SurfelFurnace, EmaFollowsTheGeometricSeries) {
   EXPECT_EQ(h.counter("surfel_inf"), 0);
 }
 
-/// Within 1 % of x when an average with a = 0.97 has 1 % left, and so on until twice those frames. One parameter is not the default: 8 pixels are a quarter of so small a
-/// picture and would be cut at radius_max, of which thousands of surfels cover the walls; in a picture of 360 rows they are a third of the radius here, and in this
-/// room that makes no difference but the time (0.5 and radius_max at its default: 1.0005 of x with 4700 surfels, 1.0000 with these 840).
+/// Within 1 % of x over the last quarter of twice the frames that an average with a = 0.97 takes to 1 %. (At albedo 0.9 it is there from some 1300 of 3066 on, since a
+/// settled cache casts a quarter of the rays.) One parameter is not the default: 8 pixels are a quarter of so small a picture and would be cut at radius_max, of which
+/// thousands of surfels cover the walls; in a picture of 360 rows they are a third of the radius here. In this room that makes no difference but the time (albedo 0.5,
+/// radius_max at its default: 1.0005 of x with 4700 surfels, 1.0000 with these 840).
 TEST_P(SurfelFurnace, DefaultsComeToTheClosedFormAndStay) {
   const Furnace& furnace = GetParam();
   SurfelsHarness h(loadScene(furnace.scene));
@@ -72,6 +73,7 @@ TEST_P(SurfelFurnace, DefaultsComeToTheClosedFormAndStay) {
   cover(h, 32);
   h.shine(emission_);
   const double exact = static_cast<double>(kPi) * furnace.rho / (1 - furnace.rho);
+  const int first = furnace.frames * 3 / 2;
   double worst = 0, last = 0;
   int within = 0;
   for (int n = 1; n <= 2 * furnace.frames; ++n) {
@@ -79,11 +81,11 @@ TEST_P(SurfelFurnace, DefaultsComeToTheClosedFormAndStay) {
     if (n % 10 != 0 && n != 2 * furnace.frames) continue;
     last = h.mean() / exact - 1;
     within = std::abs(last) < 0.01 ? (within ? within : n) : 0;
-    if (n < furnace.frames) continue;
+    if (n < first) continue;
     worst = std::max(worst, std::abs(last));
     ASSERT_NEAR(last, 0, 0.01) << furnace.scene << " after " << n << " frames";
   }
-  std::printf("%s: defaults within 1 %% of x from frame %d on, within %.2f %% from frame %d on, %+.2f %% at %d; %.0f surfels\n", furnace.scene, within, 100 * worst, furnace.frames,
+  std::printf("%s: defaults within 1 %% of x from frame %d on, within %.2f %% from frame %d on, %+.2f %% at %d; %.0f surfels\n", furnace.scene, within, 100 * worst, first,
               100 * last, 2 * furnace.frames, h.counter("surfels"));
   EXPECT_EQ(h.counter("surfel_nan"), 0);
   EXPECT_EQ(h.counter("surfel_inf"), 0);
