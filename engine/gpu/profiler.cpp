@@ -42,10 +42,11 @@ double BatchTimings::unaccounted() const {
 void Profiler::add(const BatchTimings& batch) {
   ++frames_;
   // A name that occurs more than once in a batch is one pass with the sum of their times.
+  const std::vector<PassTiming> before = std::move(order_);
   order_.clear();
+  const auto find = [&](const std::string& name) { return std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == name; }); };
   for (const PassTiming& timing : batch.passes) {
-    const auto known =
-        std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == timing.name; });
+    const auto known = find(timing.name);
     if (known == order_.end()) {
       order_.push_back(timing);
     } else {
@@ -53,6 +54,13 @@ void Profiler::add(const BatchTimings& batch) {
       known->creationMs += timing.creationMs;
       if (timing.skipped.empty()) known->skipped.clear();
     }
+  }
+  // What runs in some frames only keeps its place among the others.
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (find(before[i].name) != order_.end() || !(share(before[i].name) > 0)) continue;
+    auto at = i > 0 ? find(before[i - 1].name) : order_.end();
+    at = at == order_.end() ? order_.begin() : at + 1;
+    order_.insert(at, {before[i].name, before[i].host, 0, 0, "not in the latest frame"});
   }
   bool warmUp = false;
   for (const PassTiming& timing : order_) {

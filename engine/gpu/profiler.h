@@ -32,8 +32,8 @@ struct PassStatistics {
   std::string skipped;
 };
 
-/// Keeps the last `window` frames; order of passes is that of the newest frame. The first time a pass runs is warm-up
-/// and left out.
+/// Keeps the last `window` frames; order of passes is that of the newest frame, and what ran in the window's other frames only stands where it stood there.
+/// The first time a pass runs is warm-up and left out.
 class Profiler {
  public:
   explicit Profiler(size_t window = 120) : window_(window) {}

@@ -141,19 +141,25 @@ TEST(Profiler, KnowsInHowManyFramesAPassRan) {
   for (int i = 0; i < 40; ++i) {
     BatchTimings b = batch(i % 4 == 0 ? 8 : 2);
     if (i % 4 != 0) b.passes[0].skipped = "its turn is in another frame";
+    if (i % 4 == 2) b.passes.insert(b.passes.begin() + 1, {"shade", false, 5, 0, ""});
     b.wallMs = i % 4 == 0 ? 9 : 1;
     profiler.add(b);
   }
   const PassStatistics trace = profiler.passes()[0];
   EXPECT_DOUBLE_EQ(trace.medianMs, 8);
   EXPECT_DOUBLE_EQ(trace.share, 0.25);
-  EXPECT_DOUBLE_EQ(profiler.passes()[1].share, 0);
+  ASSERT_EQ(profiler.passes().size(), 3u);  // though the last frame had two
+  EXPECT_EQ(profiler.passes()[1].name, "shade");
+  EXPECT_EQ(profiler.passes()[1].skipped, "not in the latest frame");
+  EXPECT_DOUBLE_EQ(profiler.passes()[1].share, 0.25);
+  EXPECT_DOUBLE_EQ(profiler.passes()[2].share, 0);
   EXPECT_DOUBLE_EQ(profiler.frame().medianMs, 1);
   EXPECT_DOUBLE_EQ(profiler.frame().meanMs, 3);
   BatchTimings none = batch(0);
   none.passes[0].skipped = "done";
-  for (int i = 0; i < 12; ++i) profiler.add(none);
+  for (int i = 0; i < 13; ++i) profiler.add(none);
   EXPECT_DOUBLE_EQ(profiler.passes()[0].share, 0);  // of the latest
+  EXPECT_EQ(profiler.passes().size(), 2u);
 }
 
 TEST(Profiler, AddsUpPassesOfOneName) {
