@@ -81,6 +81,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
     const IndirectLight light = s.technique->record(s.graph, {s.gbuffer, s.frameSinceReset, s.preset.seed, s.preset.display.view, camera, previousCamera, s.time,
                                                               s.previousTime, s.frameSinceChange, s.cameraMoved, s.lightsMoved, s.geometryMoved});
     s.indirectImage = light.irradiance, s.specularImage = light.specular;
+    s.lightsMoved = s.geometryMoved = false;  // what moves in frames without the technique it hears of in its next
   }
   s.finalImage = recordComposite(s.graph, s.gbuffer, s.directImage, s.indirectImage, s.scene->sky, s.specularImage, s.directSpecularImage);
   recordBackground(s.graph, s.gbuffer, s.gpuScene, camera, s.finalImage);
@@ -111,7 +112,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
   ++s.frameNumber;
   ++s.frameSinceReset;
   ++s.frameSinceChange;
-  s.cameraMoved = s.lightsMoved = s.geometryMoved = false;
+  s.cameraMoved = false;
   s.previousCamera = camera;
   s.previousTime = s.time;
   uint32_t counters[2] = {0, 0};

@@ -1,4 +1,5 @@
 // What every technique must do in scenes whose objects and cameras move: these run over the registry.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -141,7 +142,7 @@ TEST_P(EveryTechniqueMoving, AMovedBlockLeavesNoTrail) {
   const auto session = makeSession();
   session->load(here);
   session->settle();
-  session->setTime(1);
+  session->setTime(0.5);
   const auto first = session->frame();
   if (GetParam() == "surfels") {
     // Surfels ride on the block: of the pixels that see its front again none has lost its cover.
@@ -184,6 +185,37 @@ TEST_P(EveryTechniqueMoving, ATeleportedCameraSettles) {
   if (GetParam() != "surfels") {
     EXPECT_LT(cut.meanLeft.front(), 0.02);
   }
+  expectNoMessages(*session);
+}
+
+/// A technique rests while there is no light; what has moved in the meantime it hears of when it goes on.
+TEST_F(SessionTest, SurfelsHearOfWhatMovedInTheDark) {
+  const auto session = makeSession();
+  Preset p;
+  p.technique = "surfels", p.width = 24, p.height = 16, p.animation.play = false;
+  p.scene = folder.write("drawer.json", R"({"version": 1, "shapes": [
+    {"type": "box", "material": "wall", "min": [-1, -1, -1], "max": [1, 1, 1], "facing": "inward"},
+    {"type": "box", "name": "drawer", "material": "wall", "min": [-0.6, -0.9, -0.5], "max": [-0.2, -0.3, 0]}],
+    "materials": {"wall": {"albedo": [0.7, 0.7, 0.7]}},
+    "lights": [{"type": "point", "position": [0, 0.8, 0.5], "intensity": 5}],
+    "animations": [{"name": "pull", "objects": ["drawer"], "keys": [{"time": 0}, {"time": 1, "translation": [0.7, 0, 0]}]}],
+    "cameras": [{"name": "front", "position": [0, 0, 0.95], "target": [0, -0.3, -1], "vertical_fov_degrees": 80}]})");
+  p.parameters = {{"surfels.freeze_frames", "30"}, {"surfels.radius_pixels", "3"}, {"surfels.max_surfels", "4096"}, {"surfels.spawn_at_hits", "false"}};
+  session->load(p);
+  const auto listed = [&] {
+    const std::shared_ptr<const FrameResult> f = session->frame();
+    return std::any_of(f->passes.begin(), f->passes.end(), [](const PassStatistics& pass) { return pass.name == "surfels: sort cells" && pass.skipped.empty(); });
+  };
+  for (int i = 0; i < 32; ++i) session->frame();
+  EXPECT_FALSE(listed());
+  const std::vector<PointLight> lights = session->scene().pointLights;
+  session->setLights({}, {}, {}, vec3(0));
+  EXPECT_FALSE(listed());
+  session->setTime(0.5);
+  EXPECT_FALSE(listed());
+  EXPECT_FALSE(listed());
+  session->setLights(lights, {}, {}, vec3(0));
+  EXPECT_TRUE(listed());
   expectNoMessages(*session);
 }
 
