@@ -29,14 +29,18 @@ QString raysText(double rays) {
 
 QString forecastLine(const RebuildForecast& f) {
   if (!f.refused.empty()) return RebuildBar::tr("Cannot be: %1").arg(QString::fromStdString(f.refused));
-  if (f.seconds < 0) return RebuildBar::tr("Rebuild");
+  QString warnings;
+  for (const std::string& w : f.warnings) warnings += QStringLiteral("\n") + QString::fromStdString(w);
+  if (f.seconds < 0) return RebuildBar::tr("Rebuild") + warnings;
   const QString time = durationText(f.seconds);
   QString text = f.work.atMost ? RebuildBar::tr("Rebuild: at most about %1").arg(time) : RebuildBar::tr("Rebuild: about %1").arg(time);
   if (f.basis == ForecastBasis::Calibrated) text += RebuildBar::tr(" (a rough guess: no such work was done here yet)");
   if (f.basis == ForecastBasis::OtherScene) text += RebuildBar::tr(" (by another scene's speed)");
   text += QStringLiteral("; ") + raysText(f.work.rays) + QStringLiteral(", ") + bytesText(f.work.bytes);
   if (f.work.bytesBefore > 0) text += RebuildBar::tr(" (%1 before compression)").arg(bytesText(f.work.bytesBefore));
-  return text;
+  if (f.work.bytesOfFrames > 0) text += RebuildBar::tr(", %1 for its frames").arg(bytesText(f.work.bytesOfFrames));
+  if (f.work.bytesMore > 0) text += RebuildBar::tr(", at most %1 more").arg(bytesText(f.work.bytesMore));
+  return text + warnings;
 }
 
 QString partsText(const RebuildForecast& f) {

@@ -58,14 +58,16 @@ std::string secondsText(double s) {
 
 std::string forecastText(const RebuildForecast& f) {
   if (!f.refused.empty()) return f.refused;
-  if (f.seconds < 0) return "";
+  const std::string warnings = fmt::format("{}", fmt::join(f.warnings, "; "));
+  if (f.seconds < 0) return warnings;
   std::string text = f.work.atMost && f.seconds >= kWorthSaying ? "at most " + secondsText(f.seconds) : secondsText(f.seconds);
   if (f.basis == ForecastBasis::OtherScene) text += " (by another scene's speed)";
   if (f.basis == ForecastBasis::Calibrated) text += " (roughly: no such work was done here yet)";
   text += fmt::format("; {} rays, {:.3g} MB", amountText(f.work.rays), f.work.bytes / 1e6);
+  if (f.work.bytesOfFrames > 0) text += fmt::format(" and {:.3g} MB for its frames", f.work.bytesOfFrames / 1e6);
   if (f.work.bytesMore > 0) text += fmt::format(" and at most {:.3g} MB more", f.work.bytesMore / 1e6);
   if (f.work.bytesBefore > 0) text += fmt::format(", {:.3g} MB before compression", f.work.bytesBefore / 1e6);
-  return text;
+  return warnings.empty() ? text : text + "; " + warnings;
 }
 
 /// A tracer's speed is its own.
@@ -135,24 +137,36 @@ RebuildForecast Session::forecastRebuild(const std::map<std::string, std::string
     atlasAnew |= lightmap, probesAnew |= probes;
     rebuild |= now.info->effect == Effect::Rebuild;
   }
+  RebuildForecast unknown;
+  unknown.rebuilds = true;
+  const auto refusal = [&](const Error& e) {
+    if (e.kind() == ErrorKind::Cancelled || e.kind() == ErrorKind::Device) throw;
+    unknown.refused = e.what();
+    return unknown;
+  };
+  if (manual && *manual) {
+    try {
+      checkProbes(**manual);
+    } catch (const Error& e) {
+      return refusal(e);
+    }
+  }
   const std::vector<vec3>& ownProbes = manual ? (*manual ? **manual : s.sceneProbes) : s.scene->probes;
   if (ownProbes != s.scene->probes && needs.probes && next.probes.placement == kPlacementManual) rebuild = probesAnew = true;
   if (!rebuild) return {};
 
-  RebuildForecast unknown;
-  unknown.rebuilds = true;
-  const bool renderable = s.features.surfaces && s.features.anyLight();
-  if (!renderable || (needs.lightmap && !s.atlas)) return unknown;  // nothing stands yet that could be counted
+  if (!(s.features.surfaces && s.features.anyLight())) return unknown;
+  const bool counts = !needs.lightmap || s.atlas;  // else nothing stands yet that could be counted: what is wrong with probes by hand is known all the same
   std::shared_ptr<const PlacedProbes> probes = s.placed;
-  if (needs.probes && (probesAnew || !probes)) {
+  if (needs.probes && (probesAnew || !probes) && (counts || next.probes.placement == kPlacementManual)) {
     try {
       probes = s.placeCandidate(next.probes, ownProbes, p);
     } catch (const Error& e) {
-      if (e.kind() == ErrorKind::Cancelled || e.kind() == ErrorKind::Device) throw;
-      unknown.refused = e.what();
-      return unknown;
+      return refusal(e);
     }
   }
+  if (needs.probes && probesAnew && probes) unknown.warnings = probes->warnings;
+  if (!counts) return unknown;
   double lumels = s.atlas ? static_cast<double>(s.atlas->lumels.size()) : 0;
   if (atlasAnew && s.atlas) {
     const double side = next.lightmap.resolution, oldSide = s.atlas->resolution;
@@ -161,7 +175,8 @@ RebuildForecast Session::forecastRebuild(const std::map<std::string, std::string
   }
   const SceneView view{*s.scene, s.features, s.gpuScene, *s.tracer, *s.directLight, s.pool, needs.lightmap ? &*s.atlas : nullptr, next.lightmap, next.direct, s.preset.seed,
                        needs.probes ? probes.get() : nullptr};
-  const RebuildForecast forecast = s.forecastOf(*next.technique, view, lumels, atlasAnew, true, p);
+  RebuildForecast forecast = s.forecastOf(*next.technique, view, lumels, atlasAnew, true, p);
+  forecast.warnings = unknown.warnings;
   p.begin("", 0);  // nothing of it goes on
   return forecast;
 }

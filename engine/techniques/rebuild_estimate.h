@@ -21,6 +21,7 @@ struct RebuildEstimate {
   double rays = 0;                  ///< cast, in all
   double bytes = 0;                 ///< of what is precomputed, as it is kept on the device
   double bytesBefore = 0;           ///< ... before compression; 0 where nothing is compressed
+  double bytesOfFrames = 0;         ///< held by frames for it besides, and known beforehand: radiance at glossy receivers
   double bytesMore = 0;             ///< kept besides at most, by what is found on the way
   bool atMost = false;              ///< work may end earlier: an iteration that converges
 };

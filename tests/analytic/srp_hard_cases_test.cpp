@@ -139,6 +139,41 @@ TEST_F(SrpWork, TheMemoryThatItMayUseChangesNothingButTime) {
   }
 }
 
+/// Many probes with many rays: what they see of surfaces is summed a few of them at a time, so that no unit takes long on a slow device, and any can be the last before a cancel.
+TEST_F(SrpWork, SharesOfSurfacesGoInSlicesAndTheirTableIsCounted) {
+  uint64_t bytes[2] = {};
+  for (int on = 0; on < 2; ++on) {
+    SrpHarness h(loadScene("point_light_cube"));
+    h.set("lightmap.resolution", "32").set("srp.sh_order", "8").set("srp.receiver_rays", "16").set("srp.k", "1").set("srp.surface_share", on ? "true" : "false").set("probes.spacing", "0.15");
+    h.rebuild();
+    const double probes = h.counter("probes");
+    double longest = 0;
+    uint64_t slices = 0, asked = 0, total = h.technique->work().total;
+    while (!h.technique->work().settled()) {
+      const std::string label = h.technique->work().label;
+      h.work(1);
+      for (const PassTiming& pass : h.last.passes) {
+        if (pass.name != "srp: share of surfaces" || !pass.skipped.empty()) continue;
+        ++slices, longest = std::max(longest, pass.ms);
+        EXPECT_NE(label.find("share of surfaces"), std::string::npos) << label;
+        EXPECT_EQ(h.last.passes.size(), 1u) << "a unit of its own";
+        for (const MemoryItem& m : h.technique->memory())
+          if (m.name == "working memory of precomputation") bytes[on] = m.bytes;
+      }
+      if (h.technique->work().label.starts_with("transport") && asked++ == 0)
+        for (const MemoryItem& m : h.technique->memory())
+          if (m.name == "working memory of precomputation") bytes[on] = m.bytes;
+      EXPECT_EQ(h.technique->work().total, total);
+    }
+    EXPECT_EQ(slices, on ? static_cast<uint64_t>(std::ceil(probes / std::floor((1 << 23) / (1024.0 * 81)))) : 0);
+    if (on) {
+      std::printf("%g probes, order 8, 1024 rays: share of surfaces in %llu slices, of %.1f ms at most\n", probes, static_cast<unsigned long long>(slices), longest);
+      EXPECT_GT(slices, 2u);
+      EXPECT_EQ(bytes[1] - bytes[0], static_cast<uint64_t>(4 * (probes * 81 - 1)));
+    }
+  }
+}
+
 TEST_F(SrpWork, ProbesTakeTurns) {
   SrpHarness all(loadScene("point_light_cube")), some(loadScene("point_light_cube"));
   for (SrpHarness* h : {&all, &some}) h->set("srp.receiver_rays", "64").set("lightmap.resolution", "32");

@@ -200,7 +200,7 @@ TEST_F(RadianceReceivers, AreTheSameToTheBitWhateverMemoryThereIs) {
     Preset p = quickPreset(scene, "srp");
     p.parameters["srp.receivers"] = "radiance", p.parameters["srp.cache"] = "false";
     p.parameters["srp.sh_order"] = "0", p.parameters["srp.glossy_order"] = "2", p.parameters["srp.k"] = "8", p.parameters["lightmap.resolution"] = "48";
-    p.parameters["srp.cluster_size"] = "1024", p.parameters["srp.least_clusters"] = "1", p.parameters["srp.precompute_memory_mb"] = i == 0 ? "512" : "3";
+    p.parameters["srp.cluster_size"] = "1024", p.parameters["srp.least_clusters"] = "1", p.parameters["srp.precompute_memory_mb"] = i == 0 ? "512" : "4";
     session->load(p);
     session->settle();
     images[i] = session->image("specular").data;

@@ -100,6 +100,59 @@ TEST_F(RebuildForecastTest, RaysAndBytesOfSrpAreThoseThatHappen) {
   EXPECT_LT(larger.work.rays, cast * 1.25);
 }
 
+/// Radiance receivers have rows of their own in the matrices, and frames hold what those give.
+TEST_F(RebuildForecastTest, RadianceReceiversAreCountedBeforehand) {
+  Preset p = srpPreset();
+  p.scene = "glossy_box";
+  const auto session = quietSession();
+  session->load(p);
+  session->finishWork();
+  session->frame();
+  const std::map<std::string, std::string> changes = {{"srp.receivers", "radiance"}, {"srp.glossy_order", "3"}, {"srp.compression", "none"}};
+  const RebuildForecast f = session->forecastRebuild(changes);
+  SCOPED_TRACE(forecastText(f));
+  const auto frame = apply(*session, changes);
+  const auto bytesOf = [&](const std::string& name) {
+    for (const MemoryItem& m : frame->memory)
+      if (m.name == name) return static_cast<double>(m.bytes);
+    ADD_FAILURE() << "no memory is called " << name;
+    return 0.0;
+  };
+  EXPECT_EQ(f.work.bytes, bytesOf("srp: transport matrices"));
+  EXPECT_EQ(f.work.bytesOfFrames, bytesOf("srp: radiance at glossy receivers"));
+  EXPECT_GT(f.work.bytesOfFrames, 0);
+  EXPECT_NE(forecastText(f).find("for its frames"), std::string::npos);
+  EXPECT_EQ(f.work.rays, counterOf(*frame, "rays_cast") + 256 * counterOf(*frame, "probes"));
+  // What would be refused for want of memory is known beforehand too, in the same words.
+  const std::map<std::string, std::string> scarce = {{"srp.glossy_order", "8"}, {"srp.cluster_size", "8192"}, {"srp.least_clusters", "1"}, {"srp.precompute_memory_mb", "8"}};
+  const RebuildForecast refused = session->forecastRebuild(scarce);
+  EXPECT_NE(refused.refused.find("srp.precompute_memory_mb is 8"), std::string::npos) << refused.refused;
+  EXPECT_EQ(apply(*session, scarce)->message, refused.refused);
+}
+
+/// What is wrong with probes by hand is said before the rebuild, in its words, also where nothing stands yet.
+TEST_F(RebuildForecastTest, ProbesByHandAreLookedAtBeforehand) {
+  using Hand = std::optional<std::vector<vec3>>;
+  const std::map<std::string, std::string> byHand = {{"probes.placement", "manual"}};
+  const auto session = quietSession();
+  Preset p = srpPreset();
+  session->load(p);
+  for (const bool stands : {false, true}) {
+    SCOPED_TRACE(stands);
+    if (stands) session->finishWork(), session->frame();
+    EXPECT_NE(session->forecastRebuild(byHand, Hand(std::vector<vec3>{})).refused.find("no probes of its own"), std::string::npos);
+    EXPECT_NE(session->forecastRebuild(byHand, Hand(std::vector<vec3>{{0, 0, 0}, {NAN, 0, 0}})).refused.find("probe 2: nan is no place"), std::string::npos);
+    EXPECT_NE(session->forecastRebuild({}, Hand(std::vector<vec3>{{0, 1e30f, 0}})).refused.find("probe 1"), std::string::npos);
+    const RebuildForecast inside = session->forecastRebuild(byHand, Hand(std::vector<vec3>{{0.1f, 0.3f, 0.1f}, {0.186f, 0.08f, 0.169f}}));  // in the short block
+    EXPECT_EQ(inside.refused, "");
+    EXPECT_NE(forecastText(inside).find("1 of 2 manual ones stands inside geometry: number 2"), std::string::npos) << forecastText(inside);
+    EXPECT_EQ(inside.seconds >= 0, stands);
+  }
+  const RebuildForecast f = session->forecastRebuild(byHand, Hand(std::vector<vec3>{}));
+  session->setProbes(std::vector<vec3>{});
+  EXPECT_EQ(apply(*session, byHand)->message, f.refused);
+}
+
 TEST_F(RebuildForecastTest, NothingChangesByAsking) {
   const auto session = quietSession();
   session->load(srpPreset());

@@ -5,10 +5,12 @@
 #include <fstream>
 #include <set>
 
+#include "engine/core/error.h"
 #include "engine/core/files.h"
 #include "engine/techniques/srp/clusters.h"
 #include "engine/techniques/srp/compressor.h"
 #include "engine/techniques/srp/hemisphere_basis.h"
+#include "engine/techniques/srp/memory_plan.h"
 #include "engine/techniques/srp/store.h"
 #include "tests/session_fixture.h"
 
@@ -252,6 +254,60 @@ TEST(SrpCompressor, KeepsTheOrderWhateverIsDoneFirst) {
     compressor.drain();
     ASSERT_EQ(compressor.finished().size(), 20u);
     for (uint32_t i = 0; i < 20; ++i) EXPECT_EQ(compressor.finished()[i].columns, 1 + i);
+  }
+}
+
+/// What a plan says of one cluster's receivers, all of them on glossy surfaces.
+class SrpMemory : public ::testing::Test {
+ protected:
+  SrpMemory() {
+    clusters.lumelOfReceiver.resize(64);
+    ReceiverCluster c;
+    c.receivers = c.wide = 64, c.slots = 2, c.probes = {0, 1};
+    c.near.resize(128);
+    clusters.clusters.push_back(c);
+    params.sh_order = 8, params.compression = kCompressionNone;
+  }
+  uint64_t bytes(uint64_t probes) const { return planWorkingMemory(clusters, params, probes, limits).bytes(); }
+
+  ReceiverClusters clusters;
+  SrpParams params;
+  MemoryLimits limits{uint64_t{128} << 20, true, 2};
+};
+
+TEST_F(SrpMemory, TheTableOfSurfacesIsCountedAndRefusedWhereItDoesNotFit) {
+  const uint64_t with = bytes(1000);
+  params.surface_share = false;
+  EXPECT_EQ(with - bytes(1000), 4u * (81 * 1000 - 1));
+  params.surface_share = true;
+  params.precompute_memory_mb = 16;
+  EXPECT_LE(bytes(10'000), uint64_t{16} << 20);
+  params.surface_share = false;
+  EXPECT_NO_THROW(bytes(100'000));
+  params.surface_share = true;
+  try {
+    bytes(100'000);
+    FAIL() << "a table of 31 MiB was taken for one of 16";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::BadInput);
+    for (const char* part : {"precompute_memory_mb is 16", "100000 probes", "srp.surface_share"}) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(SrpMemory, RadianceReceiversAreCountedAndRefusedWhereFramesCannotHoldThem) {
+  const uint64_t irradiance = bytes(8);
+  EXPECT_EQ(incidentBytes(clusters, params), 0u);
+  params.receivers = kReceiversRadiance, params.glossy_order = 4;
+  EXPECT_EQ(bytes(8) - irradiance, 4u * (64 * 15 * 2 * 81 + 64 * 15 - 1)) << "rows, and sums of factors";
+  EXPECT_EQ(incidentBytes(clusters, params), 12u * 64 * 15);
+  EXPECT_NO_THROW(checkFrameMemory(clusters, params, limits));
+  limits.largestBuffer = 12 * 64 * 15 - 1;
+  try {
+    checkFrameMemory(clusters, params, limits);
+    FAIL() << "a buffer larger than the device's largest was accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::TooLarge);
+    EXPECT_NE(std::string(e.what()).find("srp.glossy_order"), std::string::npos) << e.what();
   }
 }
 

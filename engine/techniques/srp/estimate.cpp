@@ -45,6 +45,13 @@ WorkPart probeRayWork(double rays) {
   return part;
 }
 
+WorkPart surfaceShareWork(double probes, const SrpParams& params, uint32_t coefficients) {
+  WorkPart part;
+  part.name = "share of surfaces", part.kind = WorkPart::Kind::Sums, part.amount = params.surface_share ? probes * params.probe_rays * coefficients : 0;
+  part.passes = {"srp: share of surfaces"};
+  return part;
+}
+
 RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, const SrpParams& params, double lumels, Progress& progress) {
   RebuildEstimate estimate;
   if (scene.atlas->lumels.empty() || scene.probes->count() == 0) return estimate;
@@ -52,6 +59,10 @@ RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, 
   const ReceiverClusters clusters = Precomputation::clustersOf(scene, params, progress);
   // Receivers of another lightmap stand as densely as its texels: more clusters of the same size.
   const double scale = lumels / static_cast<double>(clusters.receivers());
+  if (scale == 1) {
+    checkFrameMemory(clusters, params, memoryLimits(device, scene));
+    planWorkingMemory(clusters, params, scene.probes->count(), memoryLimits(device, scene));
+  }
   size_t onDisk = 0;
   if (params.cache && scale == 1) onDisk = TransportStore(Precomputation::key(device, scene, params)).count(clusters.clusters.size());
   estimate.parts = transportWork(clusters, onDisk, clusters.clusters.size(), params, coefficients);
@@ -59,6 +70,8 @@ RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, 
   const double probeRays = static_cast<double>(scene.probes->count()) * params.probe_rays;
   estimate.rays = estimate.parts.front().amount + probeRays;
   estimate.parts.push_back(probeRayWork(probeRays));
+  if (onDisk < clusters.clusters.size()) estimate.parts.push_back(surfaceShareWork(static_cast<double>(scene.probes->count()), params, coefficients));
+  estimate.bytesOfFrames = static_cast<double>(incidentBytes(clusters, params)) * scale;
   estimate.bytesMore = lumels * readsOf(params) * sizeof(shared::SrpRead);
   const double number = params.storage == kStorageFloat16 ? 2 : 4;
   for (const ReceiverCluster& c : clusters.clusters) {

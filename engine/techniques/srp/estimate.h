@@ -11,9 +11,11 @@ std::vector<WorkPart> transportWork(const ReceiverClusters&, size_t first, size_
 
 /// Rays of probes, which are cast anew each time.
 WorkPart probeRayWork(double rays);
+/// So many probes' share of surfaces, in harmonics.
+WorkPart surfaceShareWork(double probes, const SrpParams&, uint32_t coefficients);
 
 /// Of all of it with these parameters: clusters are made, those on disk need no work. Exact while `lumels` is what the atlas has; else in proportion. Lumels to be read come out of the rays, so of them the most that there can be.
-/// @throws Error(Cancelled)
+/// @throws Error(BadInput), Error(TooLarge) where Precomputation would for want of memory, as far as that is known (the lightmap is that of the atlas); Error(Cancelled)
 RebuildEstimate estimateTransport(const Device&, const SceneView&, const SrpParams&, double lumels, Progress&);
 
 }  // namespace hl

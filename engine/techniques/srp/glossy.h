@@ -25,7 +25,7 @@ class Reflection {
     uint32_t negative = 0, nonFinite = 0, withoutTexel = 0;  ///< pixels
   };
   Counts counts() const;  ///< in the last frame. Blocking.
-  uint64_t bytes() const { return glossyOfTexel_.size() + normals_.size(); }
+  uint64_t bytes() const { return any() ? glossyOfTexel_.size() + normals_.size() + counters_.size() : 0; }
 
  private:
   Device& device_;

@@ -8,41 +8,25 @@
 #include "engine/core/hash.h"
 #include "engine/techniques/srp/directional.h"
 #include "engine/techniques/srp/glossy.h"
-#include "engine/techniques/srp/hemisphere_basis.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"
 
 namespace hl {
 namespace {
 
-/// Rays of a unit: some 50 ms of them on two cores; on a GPU a unit that is too small is all submission.
-constexpr uint64_t kUnitRaysOnCpu = 1u << 16, kUnitRaysOnGpu = 1u << 22;
+/// Multiplications of a unit of what probes see, in harmonics: again some 50 ms on two cores.
+constexpr uint64_t kUnitSharesOnCpu = 1u << 23, kUnitSharesOnGpu = 1u << 30;
 /// Counts with the results: whoever changes what is computed raises it.
 constexpr uint32_t kVersion = 7;
 
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
 float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
 
-/// What every device takes as groups along y.
-constexpr size_t kMostClusters = 65535;
-
-constexpr uint64_t kBytesARay = sizeof(shared::Ray) + sizeof(shared::Hit) + sizeof(float);
-constexpr uint64_t kBytesAQuestion = sizeof(shared::Ray) + sizeof(uint32_t) + sizeof(float);
-
 float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
 }  // namespace
 
-uint32_t readsOf(const SrpParams& params) {
-  return params.sample_weight == kSampleWeightSurface ? static_cast<uint32_t>(std::min(params.surface_reads, params.receiver_rays)) : 0;
-}
-
-uint32_t rowsOf(const SrpParams& params) {
-  if (params.receivers == kReceiversRadiance) return 1 + static_cast<uint32_t>(shared::hemisphereTerms(params.glossy_order));
-  return params.receivers == kReceiversDirectional ? shared::kSrpDirectionalRows : 1;
-}
-
-uint32_t allRows(const ReceiverCluster& c, const SrpParams& params) { return c.receivers + (rowsOf(params) - 1) * c.wide; }
+MemoryLimits memoryLimits(const Device& device, const SceneView& scene) { return {device.maxStorageBufferBytes(), device.isCpu(), scene.pool.threads()}; }
 
 Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams& params, const Buffer& triangles, const Buffer& lumelOfTexel, const ProbeSamples* samples,
                                Progress& progress)
@@ -59,6 +43,7 @@ Precomputation::Precomputation(Gpu& gpu, const SceneView& scene, const SrpParams
   for (const ReceiverCluster& c : clusters_.clusters) unitsTotal_ += unitsOf(c);
   ++unitsTotal_;
   for (size_t i = 0; i < cluster_; ++i) unitsDone_ += unitsOf(clusters_.clusters[i]);
+  if (sharesWanted()) unitsTotal_ += (scene.probes->count() + probesAUnit() - 1) / probesAUnit();
 }
 
 /// What the disk has of it.
@@ -71,7 +56,7 @@ void Precomputation::takeUp(std::shared_ptr<TransportStore> store) {
     throw Error(ErrorKind::Run, store->file().string() + ": does not fit what it was made for; delete it");
   }
   fromDisk_ = cluster_ = finished.size();
-  compressor_ = std::make_shared<Compressor>(params_, scene_.seed, compressions_, std::move(store), std::move(finished));
+  compressor_ = std::make_shared<Compressor>(params_, scene_.seed, decompositions_, std::move(store), std::move(finished));
 }
 
 ReceiverClusters Precomputation::clustersOf(const SceneView& scene, const SrpParams& params, Progress& progress) {
@@ -100,36 +85,11 @@ std::string Precomputation::key(const Device& device, const SceneView& scene, co
 }
 
 void Precomputation::allocate(const SceneView& scene) {
-  if (clusters_.clusters.size() > kMostClusters)
-    throw Error(ErrorKind::TooLarge, fmt::format("srp: {} clusters are more than {}; raise srp.cluster_size", clusters_.clusters.size(), kMostClusters));
-  const uint64_t budget = static_cast<uint64_t>(params_.precompute_memory_mb) << 20;
-  uint64_t matrix = 1, near = 1, receivers = 1, leastQuestions = 1, slots = 1;
-  for (const ReceiverCluster& c : clusters_.clusters) {
-    matrix = std::max<uint64_t>(matrix, uint64_t{allRows(c, params_)} * c.probes.size() * coefficients_);
-    near = std::max<uint64_t>(near, c.near.size());
-    receivers = std::max<uint64_t>(receivers, c.receivers);
-    slots = std::max<uint64_t>(slots, c.slots);
-    leastQuestions = std::max<uint64_t>(leastQuestions, uint64_t{c.receivers} * c.slots);
-  }
-  // Each question belongs to a ray, of which there are fewer the more slots a receiver has; a unit takes at least one sample of each receiver.
-  const uint64_t questionBytes = kBytesAQuestion + kBytesARay;
-  // A decomposition holds its matrix in single precision and, for a while, three times in double; one is in work at least.
-  const uint64_t decomposition = params_.compression == kCompressionNone ? 8 * matrix : 28 * matrix;
-  const uint64_t strata = std::max<uint64_t>(1, receivers * reads_);
-  const uint64_t fixed = 4 * matrix + decomposition + sizeof(shared::SrpNear) * near + 8 * receivers + sizeof(shared::SrpStratum) * strata;
-  const uint64_t largest = device_.maxStorageBufferBytes();
-  const uint64_t least = fixed + leastQuestions * questionBytes;
-  if (least > budget)
-    throw Error(ErrorKind::BadInput, fmt::format("srp: a cluster of {} receivers needs {} MiB to be computed in, and srp.precompute_memory_mb is {}; lower srp.cluster_size",
-                                                 receivers, (least >> 20) + 1, params_.precompute_memory_mb));
-  if (4 * matrix > largest || leastQuestions * sizeof(shared::Ray) > largest)
-    throw Error(ErrorKind::TooLarge, fmt::format("srp: a cluster's {} MiB are more than a buffer of this device holds ({}); lower srp.cluster_size",
-                                                 (std::max(4 * matrix, leastQuestions * sizeof(shared::Ray)) >> 20) + 1, largest >> 20));
-  const uint64_t wanted = std::min(device_.isCpu() ? kUnitRaysOnCpu : kUnitRaysOnGpu, largest / sizeof(shared::Ray));
-  unitQuestions_ = std::max(leastQuestions, std::min(wanted, (budget - fixed) / questionBytes));
-  const uint64_t left = budget - fixed - unitQuestions_ * questionBytes;
-  // On a CPU device its rays and ours would only be in each other's way, and in that of the frames between.
-  compressions_ = device_.isCpu() ? 0 : static_cast<size_t>(std::clamp<uint64_t>(1 + left / decomposition, 1, scene.pool.threads()));
+  const MemoryLimits limits = memoryLimits(device_, scene);
+  checkFrameMemory(clusters_, params_, limits);
+  const WorkingMemory m = planWorkingMemory(clusters_, params_, scene.probes->count(), limits);
+  unitQuestions_ = m.questions;
+  decompositions_ = m.decompositions;
 
   std::vector<shared::SurfacePoint> points = lumelPoints(*scene.atlas, offset_), sorted;
   sorted.reserve(points.size());
@@ -141,23 +101,20 @@ void Precomputation::allocate(const SceneView& scene) {
   std::vector<vec4> probes;
   for (vec3 p : scene.probes->positions) probes.push_back(vec4(p, 0.0f));
   probes_ = device_.buffer("srp: probes", std::span<const vec4>(probes));
-  near_ = device_.buffer("srp: probes of receivers", sizeof(shared::SrpNear) * near);
-  rays_ = device_.buffer("srp: rays", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
-  hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * unitQuestions_);
-  scales_ = device_.buffer("srp: scales", sizeof(float) * unitQuestions_);
-  questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * unitQuestions_, TexelFormat::RGBA32F);
-  shares_ = device_.buffer("srp: shares", sizeof(float) * unitQuestions_);
-  blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * unitQuestions_);
+  near_ = device_.buffer("srp: probes of receivers", sizeof(shared::SrpNear) * m.near);
+  rays_ = device_.buffer("srp: rays", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
+  hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * m.questions);
+  scales_ = device_.buffer("srp: scales", sizeof(float) * m.questions);
+  questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
+  shares_ = device_.buffer("srp: shares", sizeof(float) * m.questions);
+  blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * m.questions);
   directional_ = directionalBuffer(device_, params_);
-  surfaces_ = device_.buffer("srp: surfaces that probes see", sizeof(float) * (params_.surface_share ? scene.probes->count() * coefficients_ : 1));
-  matrix_ = device_.buffer("srp: transport of a cluster", 4 * matrix);
-  valid_ = device_.buffer("srp: valid samples", 4 * receivers);
-  strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * strata);
-  uint64_t wide = 1;
-  if (params_.receivers == kReceiversRadiance)
-    for (const ReceiverCluster& c : clusters_.clusters) wide = std::max<uint64_t>(wide, uint64_t{c.wide} * (rows_ - 1));
-  moments_ = device_.buffer("srp: sums of factors", 4 * wide);
-  answered_ = device_.buffer("srp: samples of surfaces", 4 * receivers);
+  surfaces_ = device_.buffer("srp: surfaces that probes see", sizeof(float) * m.surfaces);
+  matrix_ = device_.buffer("srp: transport of a cluster", sizeof(float) * m.matrix);
+  valid_ = device_.buffer("srp: valid samples", sizeof(float) * m.receivers);
+  strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * m.strata);
+  moments_ = device_.buffer("srp: sums of factors", sizeof(float) * m.moments);
+  answered_ = device_.buffer("srp: samples of surfaces", sizeof(float) * m.receivers);
 }
 
 uint32_t Precomputation::samplesPerUnit(const ReceiverCluster& c) const {
@@ -174,7 +131,8 @@ WorkState Precomputation::work() const {
   WorkState state;
   state.done = unitsDone_;
   state.total = unitsTotal_;
-  if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", std::min(cluster_ + 1, clusters_.clusters.size()), clusters_.clusters.size());
+  if (sharesWanted()) state.label = "share of surfaces that probes see";
+  else if (!state.settled()) state.label = fmt::format("transport: cluster {} of {}", std::min(cluster_ + 1, clusters_.clusters.size()), clusters_.clusters.size());
   return state;
 }
 
@@ -187,18 +145,27 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
 
+/// Not where the disk has all clusters.
+bool Precomputation::sharesWanted() const { return params_.surface_share && cluster_ < clusters_.clusters.size() && probesShared_ < scene_.probes->count(); }
+
+uint32_t Precomputation::probesAUnit() const {
+  const uint64_t sums = uint64_t{samples_->samples()} * coefficients_;
+  return static_cast<uint32_t>(std::max<uint64_t>(1, (device_.isCpu() ? kUnitSharesOnCpu : kUnitSharesOnGpu) / sums));
+}
+
 void Precomputation::recordSurfaceShare(FrameGraph& graph) {
-  surfacesKnown_ = true;
-  if (!params_.surface_share) return graph.skip("srp: share of surfaces", "srp.surface_share is off");
+  const uint32_t count = std::min(probesAUnit(), static_cast<uint32_t>(scene_.probes->count()) - probesShared_);
   struct Constants {
-    uint32_t probes, samples, coefficients;
-  } constants{static_cast<uint32_t>(scene_.probes->count()), samples_->samples(), coefficients_};
+    uint32_t first, probes, samples, coefficients;
+  } constants{probesShared_, count, samples_->samples(), coefficients_};
   graph.compute("srp: share of surfaces", "srp/surface_share.comp")
       .bind("codes", samples_->codes(), Access::Read)
       .bind("basis", samples_->basis(), Access::Read)
       .bind("surfaces", surfaces_, Access::Write)
       .push(constants)
-      .dispatchThreads(constants.probes * constants.coefficients);
+      .dispatchThreads(count * coefficients_);
+  probesShared_ += count;
+  ++unitsDone_;
 }
 
 void Precomputation::recordUnit(FrameGraph& graph) {
@@ -209,7 +176,8 @@ void Precomputation::recordUnit(FrameGraph& graph) {
     return;
   }
   const ReceiverCluster& c = clusters_.clusters[cluster_];
-  if (!surfacesKnown_) recordSurfaceShare(graph);
+  if (sharesWanted()) return recordSurfaceShare(graph);
+  if (!params_.surface_share && sample_ == 0 && cluster_ == fromDisk_) graph.skip("srp: share of surfaces", "srp.surface_share is off");
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
   const uint32_t rays = c.receivers * samples, questions = rays * c.slots;
@@ -336,17 +304,18 @@ void Precomputation::recordCompression(FrameGraph& graph) {
 
 void Precomputation::release() {
   for (ReceiverCluster& c : clusters_.clusters) c.near = {};
-  near_ = rays_ = hits_ = questions_ = blocked_ = scales_ = matrix_ = valid_ = points_ = shares_ = strata_ = answered_ = directional_ = surfaces_ = moments_ = {};
+  forWorkingBuffers(*this, [](Buffer& b) { b = {}; });
+  triangles_ = {};
 }
 
 uint64_t Precomputation::workingBytes() const {
   uint64_t bytes = 0;
-  for (const Buffer* b : {&points_, &near_, &rays_, &hits_, &questions_, &blocked_, &scales_, &matrix_, &valid_, &shares_, &strata_, &answered_, &moments_}) bytes += *b ? b->size() : 0;
+  forWorkingBuffers(*this, [&](const Buffer& b) { bytes += b ? b.size() : 0; });
   return bytes;
 }
 
 uint64_t Precomputation::hostBytes() const {
-  uint64_t bytes = 0;
+  uint64_t bytes = 4 * clusters_.lumelOfReceiver.size();
   for (const ClusterTransport& t : transport()) bytes += 4 * (t.basis.size() + t.weights.size() + t.valid.size() + t.readsOf.size()) + sizeof(shared::SrpRead) * t.reads.size();
   for (const ReceiverCluster& c : clusters_.clusters) bytes += sizeof(shared::SrpNear) * c.near.size() + 4 * c.probes.size();
   return bytes;

@@ -8,16 +8,14 @@
 #include "engine/lightmap/tables.h"
 #include "engine/techniques/srp/clusters.h"
 #include "engine/techniques/srp/compressor.h"
+#include "engine/techniques/srp/memory_plan.h"
 #include "engine/techniques/srp/probe_samples.h"
 #include "engine/techniques/technique.h"
 
 namespace hl {
 
-/// Lumels that a receiver reads at most.
-uint32_t readsOf(const SrpParams&);
-/// Rows of transport that a wide receiver has: of directional receivers all are, of radiance receivers those on glossy surfaces.
-uint32_t rowsOf(const SrpParams&);
-uint32_t allRows(const ReceiverCluster&, const SrpParams&);
+/// Of this device and these threads.
+MemoryLimits memoryLimits(const Device&, const SceneView&);
 
 class Precomputation {
  public:
@@ -34,11 +32,13 @@ class Precomputation {
   /// Drops the working memory; to be called once work() has settled.
   void release();
   uint64_t clustersFromDisk() const { return fromDisk_; }
-  uint64_t workingBytes() const;   ///< on the device
-  uint64_t hostBytes() const;      ///< results, and the probes of receivers
+  uint64_t workingBytes() const;   ///< on the device, triangles() and what is the lightmap's left out
+  const Buffer& triangles() const { return triangles_; }  ///< empty after release()
+  uint64_t hostBytes() const;      ///< results, receivers and their probes
   uint64_t raysCast() const { return raysCast_; }
   /// Clusters that are done here, those from disk left out: [first, last).
   std::pair<size_t, size_t> computed() const { return {fromDisk_, cluster_}; }
+  uint32_t probesShared() const { return probesShared_; }  ///< probes whose share of surfaces was computed here
   /// What is computed together. @throws Error(Cancelled)
   static ReceiverClusters clustersOf(const SceneView&, const SrpParams&, Progress&);
   /// Of all that decides about the coefficients: what the file on disk is named by.
@@ -51,8 +51,18 @@ class Precomputation {
   void takeUp(std::shared_ptr<TransportStore>);
   void beginCluster(FrameGraph&);
   void recordRadiance(FrameGraph&, const shared::SrpUnit&);
+  bool sharesWanted() const;
+  uint32_t probesAUnit() const;
   void recordSurfaceShare(FrameGraph&);
   void recordCompression(FrameGraph&);
+
+  /// All of WorkingMemory.
+  template <class Self, class Each>
+  static void forWorkingBuffers(Self& self, const Each& each) {
+    for (auto* b : {&self.points_, &self.probes_, &self.near_, &self.rays_, &self.hits_, &self.questions_, &self.shares_, &self.blocked_, &self.scales_, &self.matrix_, &self.valid_, &self.strata_,
+                    &self.answered_, &self.directional_, &self.surfaces_, &self.moments_})
+      each(*b);
+  }
 
   Device& device_;
   SceneView scene_;
@@ -61,10 +71,10 @@ class Precomputation {
   std::shared_ptr<Compressor> compressor_;
   Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, surfaces_, moments_;
   const ProbeSamples* samples_;   ///< null: not asked
-  bool surfacesKnown_ = false;
+  uint32_t probesShared_ = 0;     ///< whose share of surfaces is known
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read
   uint64_t unitQuestions_ = 0;    ///< rays and questions of a unit at most
-  size_t compressions_ = 1;       ///< at once
+  size_t decompositions_ = 1;     ///< at once
   size_t cluster_ = 0;            ///< being computed
   uint32_t sample_ = 0;           ///< of that cluster, done
   uint64_t unitsDone_ = 0, unitsTotal_ = 0, fromDisk_ = 0, raysCast_ = 0;

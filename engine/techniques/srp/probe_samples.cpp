@@ -89,6 +89,12 @@ void ProbeSamples::recordUnit(FrameGraph& graph) {
   ++done_;
 }
 
+uint64_t ProbeSamples::workingBytes() const {
+  uint64_t bytes = 0;
+  for (const Buffer* b : {&rays_, &hits_, &positions_, &directionTable_}) bytes += *b ? b->size() : 0;
+  return bytes;
+}
+
 const ProbeSamples::Counts& ProbeSamples::counts() const {
   if (counted_ == done_) return counts_;
   counted_ = done_;

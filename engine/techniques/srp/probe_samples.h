@@ -23,7 +23,9 @@ class ProbeSamples {
   uint64_t units() const { return units_; }
   uint64_t done() const { return done_; }
   void recordUnit(FrameGraph&);
-  void release() { rays_ = hits_ = {}; }
+  /// Drops what only units need; to be called once all are done.
+  void release() { rays_ = hits_ = positions_ = directionTable_ = triangles_ = lumelOfTexel_ = {}; }
+  uint64_t workingBytes() const;  ///< of that on the device, what is the scene's and the lightmap's left out
   const Buffer& codes() const { return codes_; }  ///< probes x samples: shaders/shared/lightmap_codes.h
   /// Y_j in each ray's direction, in a probe's frame, times the sample's solid angle 4 pi / N: samples x coefficients, the same for all probes.
   const Buffer& basis() const { return basis_; }

@@ -51,10 +51,7 @@ SrpRuntime::SrpRuntime(Gpu& gpu, const SceneView& scene, const SrpParams& params
   uploadReads(transport);
   if (params.receivers != kReceiversRadiance || wide_ == 0) return;
   terms_ = rowsOf(params) - 1;
-  const uint64_t bytes = sizeof(vec3) * uint64_t{wide_} * terms_;
-  if (bytes > device_.maxStorageBufferBytes())
-    throw Error(ErrorKind::TooLarge, fmt::format("srp: radiance at {} receivers on glossy surfaces is {} MiB, more than a buffer of this device holds; lower srp.glossy_order", wide_, bytes >> 20));
-  incident_ = device_.buffer("srp: radiance at glossy receivers", bytes);
+  incident_ = device_.buffer("srp: radiance at glossy receivers", incidentBytes(clusters, params));
 }
 
 void SrpRuntime::uploadReads(std::span<const ClusterTransport> transport) {

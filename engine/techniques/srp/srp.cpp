@@ -89,6 +89,7 @@ class Srp final : public Technique {
     std::vector<WorkPart> work = transportWork(precomputation_->clusters(), first, last, params_, static_cast<uint32_t>(shared::shCount(params_.sh_order)));
     const double share = samples_->units() > 0 ? static_cast<double>(samples_->done()) / static_cast<double>(samples_->units()) : 0;
     work.push_back(probeRayWork(share * static_cast<double>(view_->probes->count()) * params_.probe_rays));
+    work.push_back(surfaceShareWork(precomputation_->probesShared(), params_, static_cast<uint32_t>(shared::shCount(params_.sh_order))));
     return work;
   }
   void reset() override {
@@ -118,8 +119,8 @@ class Srp final : public Technique {
   void recordWork(FrameGraph& graph) override {
     if (!precomputation_ || runtime_) return;
     if (samples_->done() < samples_->units()) return samples_->recordUnit(graph);
-    if (!precomputation_->work().settled()) return precomputation_->recordUnit(graph);
     samples_->release();
+    if (!precomputation_->work().settled()) return precomputation_->recordUnit(graph);
     precomputation_->release();
     runtime_ = std::make_unique<SrpRuntime>(*gpu_, *view_, params_, precomputation_->clusters(), precomputation_->transport(), tables_, *samples_);
     runtime_->restart(params_);
@@ -176,13 +177,14 @@ class Srp final : public Technique {
     if (!precomputation_) return items;
     if (runtime_) items = runtime_->memory();
     items.push_back({"working memory of precomputation", precomputation_->workingBytes()});
+    items.push_back({"working memory of probes' rays", samples_->workingBytes()});
+    if (precomputation_->triangles()) items.push_back({"triangles for precomputation", precomputation_->triangles().size()});
     items.push_back({"transport on the host", precomputation_->hostBytes()});
     for (auto& [name, bytes] : images_->memory()) items.push_back({name, bytes});
-    uint64_t pixels = 0;
     if (reflection_ && reflection_->any()) items.push_back({"texels of glossy surfaces", reflection_->bytes()});
-    for (const GpuImage& image : {result_, specular_, texels_, directImage_})
-      if (image) pixels += uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height());
-    items.push_back({"irradiance at pixels", pixels});
+    const auto bytesOf = [](const GpuImage& image) { return image ? uint64_t{16} * static_cast<uint64_t>(image.width()) * static_cast<uint64_t>(image.height()) : 0; };
+    items.push_back({"irradiance at pixels", bytesOf(result_) + bytesOf(texels_) + bytesOf(directImage_)});
+    if (specular_) items.push_back({"reflected radiance at pixels", bytesOf(specular_)});
     return items;
   }
 
