@@ -108,10 +108,11 @@ FramePointer timeFrames(Session& session, Progress& p) {
   return f;
 }
 
+/// Of a frame on average: what runs in one of n frames counts an n-th.
 double ownPasses(const FrameResult& f) {
   double sum = 0;
   for (const PassStatistics& pass : f.passes)
-    if (pass.name.starts_with(f.preset.technique + ":") && pass.skipped.empty()) sum += pass.medianMs;
+    if (pass.name.starts_with(f.preset.technique + ":")) sum += pass.share * pass.medianMs;
   return sum;
 }
 
