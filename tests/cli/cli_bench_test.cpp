@@ -124,7 +124,7 @@ TEST(CliBench, RunsThatFailByBadInputAreBadInput) {
   for (const std::string permute : {R"({"srp.probe_rays": [64]})", R"({"srp.probe_rays": [64, 128]})", R"({"probes.placement": ["manual"]})"}) {
     const CliResult r = bench(permute);
     EXPECT_EQ(r.code, 2) << permute << r.err;
-    const std::string last = r.err.substr(r.err.find("halflight-cli: "));
+    const std::string last = r.err.substr(r.err.rfind("halflight-cli: "));  // after what precomputation says that it takes, on a slow machine
     EXPECT_EQ(std::count(last.begin(), last.end(), '\n'), 1) << r.err;
     EXPECT_NE(last.find(permute.find("manual") == std::string::npos ? "srp.probe_rays: 64 rays can't tell" : "has no probes of its own"), std::string::npos) << last;
     EXPECT_NE(last.find("1 of "), std::string::npos) << last;
