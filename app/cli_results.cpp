@@ -30,7 +30,7 @@ std::string passLine(const PassStatistics& p) {
   if (!p.skipped.empty() && !(p.medianMs > 0)) return fmt::format("  {:<40} skipped: {}\n", p.name, p.skipped);
   if (!(p.medianMs > 0)) return fmt::format("  {:<40} {:<4} not measured\n", p.name, p.where);
   return fmt::format("  {:<40} {:<4} {:9.3f} {:9.3f} {:9.3f}{}\n", p.name, p.where, p.medianMs, p.p5Ms, p.p95Ms,
-                     p.skipped.empty() ? "" : fmt::format("  (now skipped: {})", p.skipped));
+                     !p.skipped.empty() ? fmt::format("  (now skipped: {})", p.skipped) : p.share < 0.995 ? fmt::format("  (in {:.0f} % of frames)", 100 * p.share) : "");
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ std::string resultsText(const RunResults& r) {
   if (!(f.frameTime.medianMs > 0))
     out += "frame not measured: the first is warm-up\n";
   else
-    out += fmt::format("frame {:.2f} ms (p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.p5Ms,
+    out += fmt::format("frame {:.2f} ms (mean {:.2f}, p5 {:.2f}, p95 {:.2f}){}\n", f.frameTime.medianMs, f.frameTime.meanMs, f.frameTime.p5Ms,
                      f.frameTime.p95Ms, f.provenance.timing == "serialised" ? ", passes timed apart" : "");
   if (f.unaccounted > kUnaccountedLimit) out += fmt::format("{:.0f} % of the frame is in no pass\n", 100 * f.unaccounted);
   if (f.workUnits > 0) out += fmt::format("work {:.2f} s in {} units\n", f.workMs / 1000, f.workUnits);

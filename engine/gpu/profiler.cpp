@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace hl {
 namespace {
@@ -25,6 +26,7 @@ PassStatistics statistics(const std::string& name, const char* where, const std:
   s.medianMs = quantile(sorted, 0.5);
   s.p5Ms = quantile(sorted, 0.05);
   s.p95Ms = quantile(sorted, 0.95);
+  s.meanMs = std::accumulate(sorted.begin(), sorted.end(), 0.0) / static_cast<double>(sorted.size());
   s.lastMs = samples.back();
   return s;
 }
@@ -40,10 +42,11 @@ double BatchTimings::unaccounted() const {
 void Profiler::add(const BatchTimings& batch) {
   ++frames_;
   // A name that occurs more than once in a batch is one pass with the sum of their times.
+  const std::vector<PassTiming> before = std::move(order_);
   order_.clear();
+  const auto find = [&](const std::string& name) { return std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == name; }); };
   for (const PassTiming& timing : batch.passes) {
-    const auto known =
-        std::find_if(order_.begin(), order_.end(), [&](const PassTiming& t) { return t.name == timing.name; });
+    const auto known = find(timing.name);
     if (known == order_.end()) {
       order_.push_back(timing);
     } else {
@@ -52,16 +55,27 @@ void Profiler::add(const BatchTimings& batch) {
       if (timing.skipped.empty()) known->skipped.clear();
     }
   }
+  // What runs in some frames only keeps its place among the others.
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (find(before[i].name) != order_.end() || !(share(before[i].name) > 0)) continue;
+    auto at = i > 0 ? find(before[i - 1].name) : order_.end();
+    at = at == order_.end() ? order_.begin() : at + 1;
+    order_.insert(at, {before[i].name, before[i].host, 0, 0, "not in the latest frame"});
+  }
   bool warmUp = false;
   for (const PassTiming& timing : order_) {
     if (!timing.skipped.empty()) continue;
     // The first run compiles, and a new pipeline does so again.
     const bool first = seen_[timing.name]++ == 0 || timing.creationMs > 0;
     warmUp = warmUp || first;
-    if (first) continue;
+    if (first) {
+      warm_[timing.name] = frames_ + 1;
+      continue;
+    }
     auto& samples = history_[timing.name];
-    samples.push_back(timing.ms);
-    if (samples.size() > window_) samples.pop_front();
+    auto& ran = ran_[timing.name];
+    samples.push_back(timing.ms), ran.push_back(frames_);
+    if (samples.size() > window_) samples.pop_front(), ran.pop_front();
   }
   if (warmUp) return;
   wall_.push_back(batch.wallMs);
@@ -74,9 +88,19 @@ void Profiler::clear() {
   frames_ = 0;
   order_.clear();
   history_.clear();
+  ran_.clear();
+  warm_.clear();
   seen_.clear();
   wall_.clear();
   unaccounted_.clear();
+}
+
+double Profiler::share(const std::string& pass) const {
+  const auto ran = ran_.find(pass);
+  if (ran == ran_.end()) return 0;
+  const uint64_t begin = std::max(warm_.at(pass), frames_ >= window_ ? frames_ - window_ + 1 : 1);
+  const auto within = std::count_if(ran->second.begin(), ran->second.end(), [&](uint64_t frame) { return frame >= begin; });
+  return frames_ < begin ? 0 : static_cast<double>(within) / static_cast<double>(frames_ - begin + 1);
 }
 
 std::vector<PassStatistics> Profiler::passes() const {
@@ -86,6 +110,7 @@ std::vector<PassStatistics> Profiler::passes() const {
     PassStatistics s = statistics(timing.name, timing.host ? "host" : "gpu",
                                   samples == history_.end() ? std::deque<double>() : samples->second);
     s.skipped = timing.skipped;
+    s.share = share(timing.name);
     all.push_back(std::move(s));
   }
   return all;

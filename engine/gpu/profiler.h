@@ -27,12 +27,13 @@ struct BatchTimings {
 
 struct PassStatistics {
   std::string name, where;  ///< "gpu" or "host"
-  double medianMs = 0, p5Ms = 0, p95Ms = 0, lastMs = 0;
+  double medianMs = 0, p5Ms = 0, p95Ms = 0, meanMs = 0, lastMs = 0;  ///< over the frames in which it ran
+  double share = 1;  ///< of the latest frames (the profiler's window, less its warm-up), those in which it ran
   std::string skipped;
 };
 
-/// Keeps the last `window` frames; order of passes is that of the newest frame. The first time a pass runs is warm-up
-/// and left out.
+/// Keeps the last `window` frames; order of passes is that of the newest frame, and what ran in the window's other frames only stands where it stood there.
+/// The first time a pass runs is warm-up and left out.
 class Profiler {
  public:
   explicit Profiler(size_t window = 120) : window_(window) {}
@@ -44,11 +45,14 @@ class Profiler {
   uint64_t frames() const { return frames_; }
 
  private:
+  double share(const std::string& pass) const;
   size_t window_;
   uint64_t frames_ = 0;
   std::vector<PassTiming> order_;
   std::map<std::string, std::deque<double>> history_;
+  std::map<std::string, std::deque<uint64_t>> ran_;  ///< numbers of history_'s frames
   std::map<std::string, uint64_t> seen_;
+  std::map<std::string, uint64_t> warm_;  ///< the first frame that counts
   std::deque<double> wall_, unaccounted_;
 };
 

@@ -37,6 +37,8 @@ void writePass(JsonWriter& w, const PassStatistics& p, const char* during, const
       .member("median_ms", measured(p.medianMs, p.medianMs))
       .member("p5_ms", measured(p.p5Ms, p.medianMs))
       .member("p95_ms", measured(p.p95Ms, p.medianMs))
+      .member("mean_ms", measured(p.meanMs, p.medianMs))
+      .member("share_of_frames", p.share)
       .key("skipped");
   p.skipped.empty() ? w.null() : w.text(p.skipped);
   for (const MemoryItem& m : moved)
@@ -115,6 +117,7 @@ void writeResultMembers(JsonWriter& w, const RunResults& r) {
       .member("median", measured(f.frameTime.medianMs, f.frameTime.medianMs))
       .member("p5", measured(f.frameTime.p5Ms, f.frameTime.medianMs))
       .member("p95", measured(f.frameTime.p95Ms, f.frameTime.medianMs))
+      .member("mean", measured(f.frameTime.meanMs, f.frameTime.medianMs))
       .member("unaccounted_share", f.unaccounted)
       .endObject();
   w.member("prepare_ms", f.prepareMs);

@@ -108,10 +108,11 @@ FramePointer timeFrames(Session& session, Progress& p) {
   return f;
 }
 
+/// Of a frame on average: what runs in one of n frames counts an n-th.
 double ownPasses(const FrameResult& f) {
   double sum = 0;
   for (const PassStatistics& pass : f.passes)
-    if (pass.name.starts_with(f.preset.technique + ":") && pass.skipped.empty()) sum += pass.medianMs;
+    if (pass.name.starts_with(f.preset.technique + ":")) sum += pass.share * pass.medianMs;
   return sum;
 }
 
@@ -133,7 +134,9 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   const std::vector<std::string> metrics = measuredMetrics(e);
   session.setReferenceWanted(false);
   session.load(run.preset, &p);
-  session.reference("image", &p);  // not the run's own work, so no part of its limit
+  // Not the run's own work, so no part of its limit. Where the scene's time runs, of what is seen when it has stopped, and of nothing on the way.
+  const bool plays = run.preset.animation.play;
+  if (!plays) session.reference("image", &p);
   const FramePointer made = runWithin(session, e, metrics, record, p);
   const Transport t = session.transport();
   record.transport = fmt::format("{} bounces, {} faces, {} normals", t.bounces, t.frontFacesOnly ? "front" : "all",
@@ -143,6 +146,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   if (made->techniqueFailed) throw Error(made->failure, made->message);
   if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
+  if (plays) session.reference("image", &p);
   record.errors = results.errors = session.measureErrors(metrics);
   if (measuresLightmap(e) && session.technique().needs().lightmap) {
     session.reference("lightmap", &p);

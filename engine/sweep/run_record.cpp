@@ -55,6 +55,7 @@ PassStatistics passOf(const json& p) {
   PassStatistics out;
   out.name = p.at("name"), out.where = p.at("where");
   out.medianMs = numberOr(p, "median_ms", 0), out.p5Ms = numberOr(p, "p5_ms", 0), out.p95Ms = numberOr(p, "p95_ms", 0);
+  out.meanMs = numberOr(p, "mean_ms", 0), out.share = numberOr(p, "share_of_frames", 1);
   if (!p.at("skipped").is_null()) out.skipped = p.at("skipped");
   return out;
 }
@@ -138,7 +139,7 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
     r.provenance.driver = p.at("driver"), r.provenance.api = p.at("api"), r.provenance.tracer = p.at("tracer"), r.provenance.timing = p.at("timing");
     if (d.contains("frame_ms")) {
       const json& f = d.at("frame_ms");
-      r.frameTime.medianMs = numberOr(f, "median", 0), r.frameTime.p5Ms = numberOr(f, "p5", 0), r.frameTime.p95Ms = numberOr(f, "p95", 0);
+      r.frameTime.medianMs = numberOr(f, "median", 0), r.frameTime.p5Ms = numberOr(f, "p5", 0), r.frameTime.p95Ms = numberOr(f, "p95", 0), r.frameTime.meanMs = numberOr(f, "mean", 0);
       r.unaccounted = numberOr(f, "unaccounted_share", 0);
       r.prepareMs = value(d, "prepare_ms"), r.workMs = value(d.at("work"), "ms");
       r.imageHash = d.at("image").at("hash");

@@ -201,6 +201,7 @@ void Sweep::traceReferences(Session& session, Progress& p) {
     report(fmt::format("reference of {}", problemLabel(preset)));
     session.setReferenceWanted(false);
     session.load(preset, &p);  // bad input ends the sweep here, before the first run
+    if (preset.animation.play) continue;  // of where it stops, which its run comes to
     leaveFailuresToTheRun([&] { session.reference("image", &p); });
   }
 }

@@ -300,6 +300,32 @@ TEST_F(SweepTest, ExperimentFilesOfOthersStay) {
   EXPECT_EQ(readFile(folder / "other/experiment.json"), "hi");
 }
 
+/// A flight has the errors of where it ends: of probes, which no camera moves, those of the camera that always stood there.
+TEST_F(SweepTest, AFlightIsMeasuredWhereItEnds) {
+  const std::string scene = folder.write("hall.json", R"({"version": 1, "shapes": [
+    {"type": "box", "material": "wall", "min": [-2, -1, -1], "max": [2, 1, 1], "facing": "inward", "face_materials": {"-x": "red"}},
+    {"type": "quad", "material": "lamp", "corners": [[-0.2, 0.98, -0.2], [0.2, 0.98, -0.2], [0.2, 0.98, 0.2], [-0.2, 0.98, 0.2]]}],
+    "materials": {"wall": {"albedo": 0.7}, "red": {"albedo": [0.6, 0.1, 0.1]}, "lamp": {"albedo": 0, "emission": [10, 10, 10]}},
+    "cameras": [{"name": "c", "position": [-1, 0, 0.5], "target": [2, 0, 0]}],
+    "camera_paths": [{"name": "along", "keys": [{"time": 0, "position": [-1.5, 0, 0.5], "target": [2, 0, 0]}, {"time": 1, "position": [1, 0.2, 0.5], "target": [-2, 0, 0]}]}]})");
+  const Experiment e = experimentFromJson(R"({"version": 1, "base": {"version": 1, "scene": ")" + scene + R"(", "resolution": [16, 12], "technique": "ddgi",
+    "animation": {"play": true, "rate": 8, "camera_path": "along"}, "parameters": {"ddgi.rays": 16, "ddgi.spacing": 0.3, "direct.samples": 1, "reference.samples": 16}},
+    "permute": {"animation.start": [1, 0]}, "metrics": ["relmse", "bias"], "references": ["matched"], "stop": {"frames": 12}, "path_tracer": false})", folder / "e.json");
+  Sweep sweep(e, folder / "out");
+  const auto session = makeSession();
+  Progress p;
+  sweep.run(*session, p);
+  expectNoMessages(*session);
+  const SweepResults& r = sweep.results();
+  ASSERT_TRUE(r.complete());
+  ASSERT_EQ(r.failed(), 0u);
+  ASSERT_EQ(r.runs.size(), 2u);
+  ASSERT_FALSE(r.runs[0]->errors.empty());
+  ASSERT_EQ(r.runs[0]->errors.size(), r.runs[1]->errors.size());
+  for (size_t i = 0; i < r.runs[0]->errors.size(); ++i) EXPECT_EQ(r.runs[0]->errors[i].value, r.runs[1]->errors[i].value) << r.runs[0]->errors[i].metric;
+  EXPECT_EQ(r.runs[0]->imageHash, r.runs[1]->imageHash);
+}
+
 TEST_F(SweepTest, StopRules) {
   const auto session = makeSession();
   Progress p;

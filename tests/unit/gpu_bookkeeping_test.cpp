@@ -126,12 +126,40 @@ TEST(Profiler, LeavesOutWarmUpAndKeepsAWindow) {
   EXPECT_DOUBLE_EQ(passes[0].medianMs, 25.5);  // of 21 to 30
   EXPECT_DOUBLE_EQ(passes[0].p5Ms, 21.45);
   EXPECT_DOUBLE_EQ(passes[0].p95Ms, 29.55);
+  EXPECT_DOUBLE_EQ(passes[0].meanMs, 25.5);
+  EXPECT_DOUBLE_EQ(passes[0].share, 1);
   EXPECT_EQ(passes[1].skipped, "no sky");
   EXPECT_DOUBLE_EQ(profiler.frame().medianMs, 26.5);
   EXPECT_NEAR(profiler.unaccounted(), 0.5 * (1.0 / 26 + 1.0 / 27), 1e-12);
   EXPECT_EQ(profiler.frames(), 32u);
   profiler.clear();
   EXPECT_TRUE(profiler.passes().empty());
+}
+
+TEST(Profiler, KnowsInHowManyFramesAPassRan) {
+  Profiler profiler(12);
+  for (int i = 0; i < 40; ++i) {
+    BatchTimings b = batch(i % 4 == 0 ? 8 : 2);
+    if (i % 4 != 0) b.passes[0].skipped = "its turn is in another frame";
+    if (i % 4 == 2) b.passes.insert(b.passes.begin() + 1, {"shade", false, 5, 0, ""});
+    b.wallMs = i % 4 == 0 ? 9 : 1;
+    profiler.add(b);
+  }
+  const PassStatistics trace = profiler.passes()[0];
+  EXPECT_DOUBLE_EQ(trace.medianMs, 8);
+  EXPECT_DOUBLE_EQ(trace.share, 0.25);
+  ASSERT_EQ(profiler.passes().size(), 3u);  // though the last frame had two
+  EXPECT_EQ(profiler.passes()[1].name, "shade");
+  EXPECT_EQ(profiler.passes()[1].skipped, "not in the latest frame");
+  EXPECT_DOUBLE_EQ(profiler.passes()[1].share, 0.25);
+  EXPECT_DOUBLE_EQ(profiler.passes()[2].share, 0);
+  EXPECT_DOUBLE_EQ(profiler.frame().medianMs, 1);
+  EXPECT_DOUBLE_EQ(profiler.frame().meanMs, 3);
+  BatchTimings none = batch(0);
+  none.passes[0].skipped = "done";
+  for (int i = 0; i < 13; ++i) profiler.add(none);
+  EXPECT_DOUBLE_EQ(profiler.passes()[0].share, 0);  // of the latest
+  EXPECT_EQ(profiler.passes().size(), 2u);
 }
 
 TEST(Profiler, AddsUpPassesOfOneName) {

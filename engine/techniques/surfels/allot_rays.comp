@@ -22,6 +22,5 @@ void main() {
   const float rays = float(frame.rays), budget = max(0.0, rays - surfels.ray_budget * young), mean = budget / alive;
   const float share = budget * (float(priority & kPriorityMask) / float(totals.lastPriority));
   const float beyond = min(surfels.ray_budget, rays / max(young, 1e-6)) * float(priority >> 16u) / kYoungUnit;
-  const float least = surfels.rays_min * (frame.settled != 0u ? surfels.settled_rays : 1.0);
-  shares[id] = uint((clamp(share, min(least, mean), float(surfels.rays_max)) + beyond) * float(kShareUnit));
+  shares[id] = uint((clamp(share, min(surfels.rays_min, mean), float(surfels.rays_max)) + beyond) * float(kShareUnit));
 }

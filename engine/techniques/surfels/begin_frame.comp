@@ -12,11 +12,16 @@ void main() {
   }
   // Without surfels no lists are made, so no lists of the past count either.
   bool anew = frame.listed != 0u || frame.surfels == 0u;
-  totals.lastPriority = totals.priority;
-  totals.lastYoung = totals.young;
-  totals.priority = 0u;
-  totals.inView = totals.young = 0u;
+  if (frame.casts != 0u) {
+    totals.lastPriority = totals.priority;
+    totals.lastYoung = totals.young;
+    totals.priority = 0u;
+    totals.inView = totals.young = 0u;
+  }
   if (anew) totals.entries = totals.largestCell = totals.largestTile = 0u;
-  for (uint i = 0u; i < kSurfelCounters; ++i)
-    if (anew || (i != kCountCellOverflows && i != kCountDroppedLists)) totals.counters[i] = 0u;  // what the lists lack they lack until they are made anew
+  // What lists and pixels lack they lack until they are made anew.
+  for (uint i = 0u; i < kSurfelCounters; ++i) {
+    const bool ofLists = i == kCountCellOverflows || i == kCountDroppedLists, ofPixels = i == kCountUncoveredPixels || i == kCountUnlitPixels;
+    if ((anew || !ofLists) && (frame.gathers != 0u || !ofPixels)) totals.counters[i] = 0u;
+  }
 }

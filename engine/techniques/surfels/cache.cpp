@@ -159,15 +159,16 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
   const bool moves = moved(in, f), lacks = lacksSurfels(params);
   f.still = moves || in.lightsChanged ? 0 : still_;
-  f.settled = f.frozen == 0 && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames) ? 1 : 0;
-  const double budget = static_cast<double>(params.ray_budget) * static_cast<double>(f.settled != 0 ? params.settled_rays : 1.0f);
+  const bool settled = f.frozen == 0 && params.estimator != kEstimatorEma && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames);
+  const uint32_t every = settled ? static_cast<uint32_t>(params.settled_every) : 1, turn = (f.still + every - static_cast<uint32_t>(params.settle_frames) % every) % every;
+  f.casts = turn == 0 ? 1 : 0;
+  f.gathers = turn == every / 2 ? 1 : 0;
+  f.recent = shared::kRecentFrames + every - 1;
   const double young = last_.alive > 0 ? static_cast<double>(last_.young) / static_cast<double>(shared::kYoungUnit) : 0;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
-  f.rays = static_cast<uint32_t>(std::min<uint64_t>(std::llround(budget * counted + static_cast<double>(params.ray_budget) * young), static_cast<long long>(most)));
-  const int placeEvery = f.settled != 0 ? std::max(params.place_every, params.settled_place_every) : params.place_every;
-  f.places = f.frozen == 0 && (moves || lacks || frame_ - lastPlaced_ >= static_cast<uint32_t>(placeEvery)) ? 1 : 0;
-  f.gatherStep = f.settled != 0 && params.gather != kGatherHalfResolution ? static_cast<uint32_t>(params.settled_pixels) : 1;
-  f.gatherX = frame_ % f.gatherStep, f.gatherY = frame_ / f.gatherStep % f.gatherStep;
+  f.rays = f.casts != 0 ? static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * (counted + young)), static_cast<long long>(most))) : 0;
+  const int placeEvery = settled ? std::max(params.place_every, params.settled_place_every) : params.place_every;
+  f.places = f.frozen == 0 && (moves || lacks || (f.casts != 0 && frame_ - lastPlaced_ >= static_cast<uint32_t>(placeEvery))) ? 1 : 0;  // hits ask for surfels, too
   f.listed = f.surfels > 0 && (moves || !listsStand_) ? 1 : 0;
   f.tilesX = (static_cast<uint32_t>(in.gbuffer.width) + shared::kTilePixels - 1) / shared::kTilePixels;
   f.tiles = f.tilesX * ((static_cast<uint32_t>(in.gbuffer.height) + shared::kTilePixels - 1) / shared::kTilePixels);

@@ -20,7 +20,7 @@ void countOne(uint which) { atomicAdd(totals.counters[which], 1u); }
 #ifdef HL_SURFELS_STATES
 layout(scalar) buffer states_block { SurfelState states[]; };
 /// Whether a surfel counts as in view.
-bool seenLately(uint lastSeen) { return frame.frame - lastSeen < kRecentFrames + frame.gatherStep * frame.gatherStep; }
+bool seenLately(uint lastSeen) { return frame.frame - lastSeen <= frame.recent; }
 #endif
 
 #ifdef HL_SURFELS_RECORDS

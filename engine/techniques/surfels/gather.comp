@@ -28,7 +28,7 @@ Gathered gatherPixel(ivec2 pixel, vec3 p, vec3 n) {
 }
 
 void main() {
-  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy * frame.gatherStep + uvec2(frame.gatherX, frame.gatherY));
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(result)))) return;
   vec4 value = vec4(0.0);
   const ivec2 source = min(pixel * int(kStep), imageSize(position) - 1);

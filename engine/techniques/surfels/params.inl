@@ -81,9 +81,8 @@ PARAM_FLOAT(recycle_hidden, 0.5, 0.01, 64, 0.1, 16, Log, Live, "weight",
 PARAM_FLOAT(recycle_chance, 0.05, 0, 1, 0.001, 0.2, Linear, Live, "probability", "Whether one that may be removed is, in this frame: if all went at once, a hole would be left.")
 PARAM_INT(freeze_frames, 0, 0, 100000, 0, 4096, Linear, Rebuild, "frames", "So many frames after a reset the cache freezes: no surfel is placed or removed any more. 0: never.")
 PARAM_INT(settle_frames, 256, 1, 100000, 16, 4096, Log, Live, "frames", "From so many frames on in which nothing moved and no light changed, the picture counts as settled.")
-PARAM_FLOAT(settled_rays, 0.25, 0.01, 1, 0.1, 1, Log, Live, "share",
-            "Once settled, the share of ray_budget that is still cast; what noise is left then falls as much slower. Not in a cache that is frozen. 1: all (the thesis).")
-PARAM_INT(settled_pixels, 2, 1, 4, 1, 4, Linear, Live, "pixels", "Once settled, one pixel of each square of so many a side gathers in a frame, each in its turn; half_resolution excepted. 1: all (the thesis).")
+PARAM_INT(settled_every, 4, 1, 64, 1, 16, Log, Live, "frames",
+          "Once settled, rays are cast in one of so many frames and pixels gather in another, and what noise is left falls as much slower. Whatever changes ends it at once. Not with ema, which counts frames, nor in a cache that is frozen. 1: in every frame (the thesis).")
 PARAM_INT(settled_place_every, 64, 1, 4096, 8, 256, Log, Live, "frames", "place_every once settled, where it is more. 1: place_every (the thesis).")
 
 PARAM_GROUP_END(surfels, SurfelsParams)

@@ -8,6 +8,7 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   const shared::SurfelFrame f = frameOf(in, params);
   const bool splat = params.gather == kGatherSplat;
   reserve(f, splat);
+  const char* const settled = "settled, and its turn is in another of settled_every frames";
   recordClears(graph, f);
   recordTileDepths(graph, f, in.gbuffer, splat);
   if (f.listed != 0)
@@ -18,9 +19,12 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
   if (f.rays > 0)
     recordRays(graph, f, params);
   else
-    graph.skip("surfels: cast rays", f.surfels == 0 ? "there is no surfel yet" : "ray_budget is 0");
-  if (f.surfels > 0) recordUpdate(graph, f, params);
-  recordGather(graph, f, params, in.gbuffer, result);
+    graph.skip("surfels: cast rays", f.surfels == 0 ? "there is no surfel yet" : f.casts == 0 ? settled : "ray_budget is 0");
+  if (f.surfels > 0 && f.casts != 0) recordUpdate(graph, f, params);
+  if (f.gathers != 0)
+    recordGather(graph, f, params, in.gbuffer, result);
+  else
+    graph.skip("surfels: gather", settled);
   const char* const unchanged = f.frozen != 0 ? "the cache is frozen" : "nothing moves, and place_every has not passed";
   if (f.places != 0)
     recordPlace(graph, f, params, in.gbuffer, result);
@@ -154,10 +158,10 @@ void SurfelCache::recordGather(FrameGraph& graph, const shared::SurfelFrame& f, 
       .bind("totals", totals_, Access::ReadWrite)
       .bind("position", g.position, Access::Read)
       .bind("geometricNormal", g.geometricNormal, Access::Read)
-      .bind("result", target, f.gatherStep > 1 ? Access::ReadWrite : Access::Write)  // pixels whose turn it isn't keep what they have
+      .bind("result", target, Access::Write)
       .specialize("kStep", halves ? 2 : 1)
       .specialize("kSplat", params.gather == kGatherSplat ? 1 : 0)
-      .dispatchThreads((static_cast<uint32_t>(width) + f.gatherStep - 1) / f.gatherStep, (static_cast<uint32_t>(height) + f.gatherStep - 1) / f.gatherStep);
+      .dispatchThreads(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
   if (!halves) {
     graph.skip("surfels: upsample", "every pixel gathers");
     return;

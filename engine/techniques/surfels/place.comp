@@ -40,7 +40,7 @@ void main() {
   }
   const bool seeded = c.seedWeight > 0.0 && surfels.seed_samples > 0.0 && !isNotFinite(c.seed);
   // What a ray places is out of view until a pixel finds it: with the shorter reach the next rays would place it again. (Frame numbers wrap.)
-  const uint seen = i < frame.tiles ? frame.frame : frame.frame - kRecentFrames - 1u;
+  const uint seen = i < frame.tiles ? frame.frame : frame.frame - frame.recent - 1u;
   SurfelState s = SurfelState(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 1.0, 0u, frame.frame, seen, 1u);
   if (seeded) {
     s.mean = s.shortMean = c.seed;

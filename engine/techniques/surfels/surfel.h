@@ -124,10 +124,9 @@ struct SurfelFrame {
   uint listed;        ///< 1: lists are made in this frame, else they are those of an earlier one
   uint lightChanged;  ///< 1: lights are not what they were
   uint still;         ///< frames before this one in a row in which nothing moved and no light changed
-  uint settled;       ///< 1: for settle_frames
-  uint gatherStep;    ///< one pixel of each square of so many a side gathers ...
-  uint gatherX;       ///< ... this one
-  uint gatherY;
+  uint casts;         ///< 1: rays are cast and estimates learn in this frame
+  uint gathers;       ///< 1: pixels gather in this frame, else they keep what they have
+  uint recent;        ///< frames a surfel counts as in view for
   float age;          ///< frames since the cache began, or since lights changed as many as change_samples
 };
 
@@ -143,7 +142,7 @@ HL_CONST uint kMaxPriority = 4095u;  ///< so that 2^20 of them fit a word
 HL_CONST uint kDepthSide = 4u;
 HL_CONST uint kGuideSide = 6u;
 HL_CONST float kDepthRange = 2.0f;   ///< distances are remembered up to so many radii at least (the surfel's diameter), up to hit_reach where that is more
-HL_CONST uint kRecentFrames = 4u;    ///< a surfel counts as in view for so long after a frame in which all pixels gathered
+HL_CONST uint kRecentFrames = 4u;    ///< a surfel counts as in view for so long where pixels gather in every frame
 
 HL_INLINE uint squareTo16(vec2 u) { return min(uint(u.x * 65536.0f), 65535u) | (min(uint(u.y * 65536.0f), 65535u) << 16u); }
 HL_INLINE vec2 squareOf16(uint p) { return vec2((float(p & 65535u) + 0.5f) / 65536.0f, (float(p >> 16u) + 0.5f) / 65536.0f); }
