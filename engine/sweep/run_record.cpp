@@ -15,11 +15,13 @@ namespace {
 // Changes whenever a run of the same preset would be measured in another way: results of before are then not taken up.
 constexpr uint32_t kRunVersion = 2;
 
-std::string keyOf(const Experiment& e, const Preset& preset, int repeat) {
+/// `other`: the preset that it is compared with, null where none.
+std::string keyOf(const Experiment& e, const Preset& preset, int repeat, const Preset* other) {
   Hasher h;
   h.value(kRunVersion).text(presetHash(preset)).value(repeat);
   h.value(static_cast<int>(e.stop.kind)).value(e.stop.amount);
   hashMeasurement(h, e, preset);
+  if (other) h.text(kOwnRun).text(presetHash(*other));
   return h.hex();
 }
 
@@ -71,6 +73,10 @@ void hashMeasurement(Hasher& h, const Experiment& e, const Preset& preset) {
     for (const Region& r : *preset.regions) h.text(r.name).value(r.x).value(r.y).value(r.width).value(r.height);
 }
 
+bool wantsReference(const Experiment& e, const std::string& reference) {
+  return reference == kOwnRun ? !e.compareWith.empty() : std::find(e.references.begin(), e.references.end(), reference) != e.references.end();
+}
+
 bool measuresLightmap(const Experiment& e) { return std::find(e.targets.begin(), e.targets.end(), "lightmap") != e.targets.end(); }
 
 std::vector<std::string> measuredMetrics(const Experiment& e) {
@@ -81,13 +87,24 @@ std::vector<std::string> measuredMetrics(const Experiment& e) {
 }
 
 std::vector<PlannedRun> planOf(const Experiment& e, const std::vector<Configuration>& configurations) {
+  const std::vector<size_t> counterparts = counterpartsOf(e, configurations);
+  // Those that others are compared with come first: their pictures must be there.
+  std::vector<size_t> order;
+  for (const bool first : {true, false})
+    for (size_t i = 0; i < configurations.size(); ++i) {
+      bool asked = false;
+      for (size_t j = 0; j < counterparts.size(); ++j) asked |= j != i && counterparts[j] == i;
+      if (asked == first) order.push_back(i);
+    }
   std::vector<PlannedRun> out;
   for (int repeat = 0; repeat < e.repeats; ++repeat)
     for (const uint32_t seed : e.seeds)
-      for (size_t i = 0; i < configurations.size(); ++i) {
+      for (const size_t i : order) {
         PlannedRun run{i, seed, repeat, configurations[i].preset, ""};
         run.preset.seed = seed;
-        run.key = keyOf(e, run.preset, repeat);
+        Preset other = configurations[counterparts[i]].preset;
+        other.seed = seed;
+        run.key = keyOf(e, run.preset, repeat, counterparts[i] == i ? nullptr : &other);
         out.push_back(std::move(run));
       }
   return out;

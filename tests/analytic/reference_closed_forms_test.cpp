@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/scene/scene_file.h"
 #include "tests/analytic/reference_fixture.h"
 
 namespace hl {
@@ -177,6 +178,22 @@ Estimate byRays(const std::function<void(Scene&, uint32_t emitter)>& build, vec3
   Estimate e = meanOf(trace(s, receivers, settings)->directImage(), false);
   e.value /= kPiD, e.error /= kPiD;
   return e;
+}
+
+/// All light of `keyhole_room` comes through its keyhole: what the room absorbs of reflected light is what it reflected of the lamp's flux through it. (The cupboard is black, and what goes
+/// back through the hole 7e-5.)
+TEST(ReferenceClosedForms, KeyholeRoom) {
+  const Scene scene = loadScene("keyhole_room");
+  const double a = 0.015, b = 0.04, d = 0.4, rho = 0.7;
+  const double flux = static_cast<double>(scene.pointLights.at(0).intensity.y) * 4 * std::atan(a * b / (d * std::sqrt(d * d + a * a + b * b)));
+  ReferenceSettings settings;
+  settings.samplesPerPixel = 64;
+  const auto result = trace(scene, receiversOverSurface(scene, 8192), settings);
+  const Estimate mean = meanOf(result->indirectImage(kAllBounces));
+  const double absorbed = mean.value * surfaceArea(scene) * (1 - rho), error = mean.error * surfaceArea(scene) * (1 - rho);
+  std::printf("keyhole: absorbed of reflected light %.3f +- %.3f W, reflected %.3f W\n", absorbed, error, rho * flux);
+  EXPECT_NEAR(absorbed, rho * flux, 3 * error + 1e-3 * rho * flux);
+  EXPECT_LT(error, 0.02 * rho * flux);
 }
 
 TEST(ReferenceClosedForms, FormFactorsByRays) {

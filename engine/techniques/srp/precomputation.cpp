@@ -22,9 +22,9 @@ constexpr uint32_t kVersion = 7;
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
 float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
 
-float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
-
 }  // namespace
+
+float Precomputation::rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
 MemoryLimits memoryLimits(const Device& device, const SceneView& scene) { return {device.maxStorageBufferBytes(), device.isCpu(), scene.pool.threads()}; }
 
@@ -183,18 +183,15 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
   const uint32_t rays = c.receivers * samples, questions = rays * c.slots;
-  shared::SrpUnit unit{};
+  shared::SrpUnit unit = unitOf(scene_, params_);
   unit.firstReceiver = c.firstReceiver, unit.receivers = c.receivers;
   unit.firstSample = sample_, unit.samples = samples;
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
-  unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
-  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1;
-  unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
-  unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1;
   unit.wide = params_.receivers == kReceiversRadiance ? c.wide : 0;
-  unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
-  unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
+  unit.reads = reads_;
 
+<<<<<<< HEAD
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
   scene_.tracer.record(graph, "srp: cast rays", rays_, hits_, rays, Query::Closest);
   graph.compute("srp: ask probes", "srp/ask_probes.comp")
@@ -220,6 +217,9 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("rayKinds", rayKinds_, Access::Write)
       .push(unit)
       .dispatchThreads(rays);
+=======
+  recordQuestions(graph, scene_, unit, {points_, rays_, hits_, near_, probes_, triangles_, questions_, shares_, blocked_, scales_});
+>>>>>>> main
   graph.compute("srp: accumulate", "srp/accumulate.comp")
       .bind("rays", rays_, Access::Read)
       .bind("points", points_, Access::Read)
@@ -259,6 +259,43 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   recordCompression(graph);
   sample_ = 0;
   ++cluster_;
+}
+
+shared::SrpUnit Precomputation::unitOf(const SceneView& scene, const SrpParams& params) {
+  shared::SrpUnit unit{};
+  unit.seed = scene.seed, unit.environment = params.environment_rays != 0 ? 1 : 0;
+  unit.order = params.sh_order, unit.offset = rayOffset(scene), unit.rows = 1;
+  unit.everySample = params.sample_weight == kSampleWeightValid ? 0 : 1;
+  unit.solidAngle = params.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.blurLimit = blurLimit(params), unit.surfaceShare = params.surface_share ? 1 : 0;
+  unit.allSamples = static_cast<uint32_t>(params.receiver_rays), unit.resolution = static_cast<uint32_t>(scene.atlas->resolution);
+  return unit;
+}
+
+void Precomputation::recordQuestions(FrameGraph& graph, const SceneView& scene, const shared::SrpUnit& unit, const Questions& b) {
+  const uint32_t rays = unit.receivers * unit.samples, questions = rays * unit.slots;
+  graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", b.points, Access::Read).bind("rays", b.rays, Access::Write).push(unit).dispatchThreads(rays);
+  scene.tracer.record(graph, "srp: cast rays", b.rays, b.hits, rays, Query::Closest);
+  graph.compute("srp: ask probes", "srp/ask_probes.comp")
+      .bind("rays", b.rays, Access::Read)
+      .bind("hits", b.hits, Access::Read)
+      .bind("near", b.near, Access::Read)
+      .bind("probes", b.probes, Access::Read)
+      .bind("triangles", b.triangles, Access::Read)
+      .bind("questions", b.questions, Access::Write)
+      .bind("shares", b.shares, Access::Write)
+      .push(unit)
+      .dispatchThreads(questions);
+  scene.tracer.record(graph, "srp: mutual visibility", b.questions, b.blocked, questions, Query::Any);
+  graph.compute("srp: weigh", "srp/weigh.comp")
+      .bind("rays", b.rays, Access::Read)
+      .bind("hits", b.hits, Access::Read)
+      .bind("blocked", b.blocked, Access::Read)
+      .bind("triangles", b.triangles, Access::Read)
+      .bind("shares", b.shares, Access::ReadWrite)
+      .bind("scales", b.scales, Access::Write)
+      .push(unit)
+      .dispatchThreads(rays);
 }
 
 void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& unit) {

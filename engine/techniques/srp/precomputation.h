@@ -44,6 +44,17 @@ class Precomputation {
   /// Of all that decides about the coefficients: what the file on disk is named by.
   static std::string key(const Device&, const SceneView&, const SrpParams&);
 
+  /// How far in front of a surface rays start [m].
+  static float rayOffset(const SceneView&);
+  /// What units of all clusters have in common.
+  static shared::SrpUnit unitOf(const SceneView&, const SrpParams&);
+  /// Buffers of recordQuestions: receivers, their rays and hits, the slots of probes, all probes; rays to these, their shares and what hides them; denominators by ray.
+  struct Questions {
+    Buffer points, rays, hits, near, probes, triangles, questions, shares, blocked, scales;
+  };
+  /// What the unit's receivers see and which of their probes see it too, up to the kernel's denominator: "srp: make rays" to "srp: weigh".
+  static void recordQuestions(FrameGraph&, const SceneView&, const shared::SrpUnit&, const Questions&);
+
  private:
   uint64_t unitsOf(const ReceiverCluster&) const;
   uint32_t samplesPerUnit(const ReceiverCluster&) const;

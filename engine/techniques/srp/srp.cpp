@@ -244,7 +244,7 @@ class Srp final : public Technique {
 
   PickReport pick(const PickedPoint& point) override {
     if (!runtime_ || point.triangle == kNone) return {};
-    return pickReceiver(*view_, gpu_->device, precomputation_->clusters(), precomputation_->transport(), *runtime_, params_, point);
+    return pickReceiver(*view_, *gpu_, precomputation_->clusters(), precomputation_->transport(), *runtime_, params_, point);
   }
 
   std::vector<vec3> lightmapIrradiance() override {
