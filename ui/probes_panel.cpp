@@ -131,6 +131,7 @@ void ProbesPanel::read() {
                .arg(100 * placed->coverage, 0, 'f', 1)
                .arg(placement)
                .arg(placed->seconds, 0, 'f', 2);
+    if (frame_->atlas.area > 0) text += tr(" Seen by none: %1 m².").arg((1 - placed->coverage) * frame_->atlas.area, 0, 'g', 4);
     QStringList left;
     if (placed->rejectedInside > 0) left << tr("%1 inside geometry").arg(placed->rejectedInside);
     if (placed->rejectedNear > 0) left << tr("%1 too near to surfaces").arg(placed->rejectedNear);

@@ -2,45 +2,21 @@
 
 #include <QHBoxLayout>
 #include <QLabel>
-#include <QLocale>
 #include <QPushButton>
 #include <QVBoxLayout>
 
 #include "ui/document.h"
-#include "ui/work_line.h"
 
 namespace hl::ui {
 namespace {
 
 constexpr int kPatienceMs = 300;
 
-/// Three digits: "27 MB".
-QString bytesText(double bytes) {
-  const auto digits = [](double v) { return QString::number(v, 'f', v < 10 ? 1 : 0); };
-  if (bytes >= 1e9) return QStringLiteral("%1 GB").arg(digits(bytes / 1e9));
-  return bytes >= 1e6 ? QStringLiteral("%1 MB").arg(digits(bytes / 1e6)) : QStringLiteral("%1 kB").arg(digits(bytes / 1e3));
-}
-
-QString raysText(double rays) {
-  if (rays >= 1e9) return RebuildBar::tr("%1 thousand million rays").arg(rays / 1e9, 0, 'f', 1);
-  if (rays >= 1e6) return RebuildBar::tr("%1 million rays").arg(rays / 1e6, 0, 'f', rays < 1e7 ? 1 : 0);
-  return RebuildBar::tr("%1 rays").arg(QLocale::c().toString(rays, 'f', 0));
-}
-
+/// In the command line's words.
 QString forecastLine(const RebuildForecast& f) {
-  if (!f.refused.empty()) return RebuildBar::tr("Cannot be: %1").arg(QString::fromStdString(f.refused));
-  QString warnings;
-  for (const std::string& w : f.warnings) warnings += QStringLiteral("\n") + QString::fromStdString(w);
-  if (f.seconds < 0) return RebuildBar::tr("Rebuild") + warnings;
-  const QString time = durationText(f.seconds);
-  QString text = f.work.atMost ? RebuildBar::tr("Rebuild: at most about %1").arg(time) : RebuildBar::tr("Rebuild: about %1").arg(time);
-  if (f.basis == ForecastBasis::Calibrated) text += RebuildBar::tr(" (a rough guess: no such work was done here yet)");
-  if (f.basis == ForecastBasis::OtherScene) text += RebuildBar::tr(" (by another scene's speed)");
-  text += QStringLiteral("; ") + raysText(f.work.rays) + QStringLiteral(", ") + bytesText(f.work.bytes);
-  if (f.work.bytesBefore > 0) text += RebuildBar::tr(" (%1 before compression)").arg(bytesText(f.work.bytesBefore));
-  if (f.work.bytesOfFrames > 0) text += RebuildBar::tr(", %1 for its frames").arg(bytesText(f.work.bytesOfFrames));
-  if (f.work.bytesMore > 0) text += RebuildBar::tr(", at most %1 more").arg(bytesText(f.work.bytesMore));
-  return text + warnings;
+  const QString text = QString::fromStdString(forecastText(f));
+  if (!f.refused.empty()) return RebuildBar::tr("Cannot be: %1").arg(text);
+  return text.isEmpty() ? RebuildBar::tr("Rebuild") : RebuildBar::tr("Rebuild: %1").arg(text);
 }
 
 QString partsText(const RebuildForecast& f) {

@@ -1,5 +1,5 @@
 #pragma once
-// "Rebuild: about 12 s, 27 MB [Rebuild] [Revert]": seen while an edit waits for a rebuild that takes a second and more, or that would be refused.
+// "Rebuild: lightmap, transport: about 12 s; 120 M rays, 27 MB [Rebuild] [Revert]": seen while an edit waits for a rebuild that takes a second and more, or that would be refused.
 #include <QFrame>
 #include <QTimer>
 

@@ -192,7 +192,9 @@ std::string draftJson(const SweepDraft& d) {
   w.endObject().key("limit_ms").raw(number(d.limitMs)).member("repeats", d.repeats).member("amortise_frames", d.amortiseFrames);
   w.key("targets").beginArray().text("image");
   if (d.lightmap) w.text("lightmap");
-  w.endArray().key("target_error").raw(number(d.targetError));
+  w.endArray().key("compare_with").beginObject();
+  for (const auto& [key, value] : d.compareWith) w.key(key), writeValue(w, declarationOf(d, 0, key), key, value);
+  w.endObject().key("target_error").raw(number(d.targetError));
   w.member("path_tracer", d.pathTracer).member("images", d.images);
   return w.endObject().str() + "\n";
 }
@@ -216,7 +218,7 @@ SweepDraft draftOf(const Experiment& e) {
   d.stop = e.stop, d.limitMs = e.limitMs, d.repeats = e.repeats, d.amortiseFrames = e.amortiseFrames;
   d.pathTracer = e.pathTracer, d.images = e.images;
   d.lightmap = std::find(e.targets.begin(), e.targets.end(), "lightmap") != e.targets.end();
-  d.targetError = e.targetError;
+  d.targetError = e.targetError, d.compareWith = e.compareWith;
   return d;
 }
 

@@ -33,6 +33,7 @@ struct SweepDraft {
   int repeats = 1, amortiseFrames = 60;
   bool pathTracer = true, images = false, lightmap = false;  ///< lightmap: its errors too
   double targetError = 0;
+  std::vector<std::pair<std::string, std::string>> compareWith;  ///< as in Experiment: kept, and not edited here
 };
 
 /// As an experiment's file; base in place, ranges as ranges.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <set>
 
 #include "engine/core/error.h"
@@ -103,6 +104,28 @@ std::vector<Configuration> configurationsOf(const Experiment& e) {
   };
   if (e.permute.empty()) add({});
   for (const Permutation& axes : e.permute) add(axes);
+  return out;
+}
+
+std::vector<size_t> counterpartsOf(const Experiment& e, const std::vector<Configuration>& configurations) {
+  std::vector<size_t> out(configurations.size());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = i;
+  if (e.compareWith.empty()) return out;
+  std::map<std::string, size_t> places;
+  for (size_t i = 0; i < configurations.size(); ++i) places.emplace(presetHash(configurations[i].preset), i);
+  for (size_t i = 0; i < configurations.size(); ++i) {
+    Configuration other = configurations[i];
+    std::string wanted;
+    for (const auto& [key, value] : e.compareWith) {
+      const PermuteAxis axis{key, {value}};
+      if (appliesTo(axis, other.preset.technique)) apply(other, axis, value);
+      wanted += fmt::format("{}{} {}", wanted.empty() ? "" : ", ", key, value);
+    }
+    const auto found = places.find(presetHash(other.preset));
+    if (found == places.end())
+      throw badInput(fmt::format("{}: /compare_with: none of the runs is like \"{}\" with {}: \"permute\" must make it", e.file.string(), configurations[i].label(), wanted));
+    out[i] = found->second;
+  }
   return out;
 }
 

@@ -26,6 +26,9 @@ struct PermuteAxis {
 /// technique alone and leaves the others single.
 using Permutation = std::vector<PermuteAxis>;
 
+/// What errors against a run of the experiment's own are called, where references are "matched" and "full".
+inline constexpr const char* kOwnRun = "run";
+
 struct StopRule {
   enum class Kind { Settled, Frames, Milliseconds };
   Kind kind = Kind::Settled;
@@ -40,6 +43,8 @@ struct Experiment {
   std::vector<std::string> metrics = {"relmse"};  ///< the first is that of the fronts
   std::vector<std::string> references = {"matched", "full"};
   std::vector<std::string> targets = {"image"};   ///< errors of what: "image", "lightmap" (of techniques that have one; matched alone)
+  /// One of its own configurations that every other is compared with besides: the one that differs from it in these values alone (kOwnRun). Empty: none.
+  std::vector<std::pair<std::string, std::string>> compareWith;
   double targetError = 0;      ///< of the first metric: the report names the cheapest configurations that stay within it; 0: none
   StopRule stop;
   double limitMs = 0;          ///< of preparation, work and frames: a run that takes longer is ended, and recorded as failed; 0: none
@@ -61,6 +66,10 @@ struct Configuration {
 /// Without those that come to the same (values rounded to one, an axis that a technique does not have).
 /// @throws Error(BadInput) where there would be more than kMaxRuns runs.
 std::vector<Configuration> configurationsOf(const Experiment&);
+
+/// Of each the place of the configuration that it is compared with (Experiment::compareWith); its own where there is none, or it is that one itself.
+/// @throws Error(BadInput) naming a configuration that has no such counterpart.
+std::vector<size_t> counterpartsOf(const Experiment&, const std::vector<Configuration>&);
 
 /// @throws Error(BadInput): file, JSON path, value, what would be right.
 Experiment loadExperiment(const std::filesystem::path&);

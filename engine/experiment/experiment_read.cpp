@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kKeys = {"version",    "base",    "permute",         "seeds",       "metrics",
                                         "references", "stop",    "repeats",         "path_tracer", "images",
-                                        "amortise_frames", "limit_ms", "targets", "target_error"};
+                                        "amortise_frames", "limit_ms", "targets", "target_error", "compare_with"};
 const std::vector<std::string> kPlainAxes = {"technique", "camera", "resolution", kStartAxis};
 
 class ExperimentReader {
@@ -40,6 +40,7 @@ class ExperimentReader {
     if (root.has("metrics")) readMetrics(root.at("metrics"));
     if (root.has("references")) readReferences(root.at("references"));
     if (root.has("targets")) readTargets(root.at("targets"));
+    if (root.has("compare_with")) readComparison(root.at("compare_with"));
     if (root.has("target_error")) e_.targetError = static_cast<double>(root.at("target_error").number(0, 1e9f));
     if (root.has("stop")) readStop(root.at("stop"));
     if (root.has("limit_ms")) e_.limitMs = static_cast<double>(root.at("limit_ms").number(0, 1e9f));
@@ -240,6 +241,16 @@ class ExperimentReader {
     withoutDoubles(e_.references);
   }
 
+  /// Values that one run has, so written like what is varied, and each single.
+  void readComparison(const JsonReader& node) {
+    for (const PermuteAxis& axis : permutation(node)) {
+      const JsonReader at = node.at(axis.key);
+      if (axis.values.size() != 1) throw at.refused(fmt::format("one value is wanted, not {}: it names one run", axis.values.size()));
+      if (axis.key == "camera" || axis.key == "resolution" || axis.key == kStartAxis) throw at.refused("runs of different pictures cannot be compared pixel by pixel");
+      e_.compareWith.emplace_back(axis.key, axis.values.front());
+    }
+  }
+
   void readTargets(const JsonReader& node) {
     e_.targets.clear();
     for (const JsonReader& v : listOf(node)) {
@@ -280,7 +291,7 @@ Experiment experimentFromJson(const std::string& text, const fs::path& file) {
   Experiment e;
   e.file = file;
   ExperimentReader(e, file).read(root);
-  configurationsOf(e);  // not too many, and each of them a preset
+  counterpartsOf(e, configurationsOf(e));  // not too many, each of them a preset, and what they are compared with among them
   return e;
 }
 

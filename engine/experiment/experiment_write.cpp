@@ -77,7 +77,13 @@ std::string experimentJson(const Experiment& e) {
   }
   w.key("seeds").raw(compact(Json(e.seeds))).key("metrics").raw(compact(Json(e.metrics))).key("references").raw(compact(Json(e.references)));
   w.key("targets").raw(compact(Json(e.targets))).key("target_error").raw(shortestText(static_cast<float>(e.targetError)));
-  w.key("stop").beginObject();
+  w.key("compare_with").beginObject();
+  if (!e.compareWith.empty()) {
+    Permutation named;
+    for (const auto& [key, value] : e.compareWith) named.push_back({key, {value}});
+    for (const PermuteAxis& axis : named) w.key(axis.key).raw(compact(axisJson(axis, named, e.base).front()));
+  }
+  w.endObject().key("stop").beginObject();
   if (e.stop.kind == StopRule::Kind::Settled) w.member("settled", true);
   if (e.stop.kind == StopRule::Kind::Frames) w.member("frames", static_cast<int64_t>(e.stop.amount));
   if (e.stop.kind == StopRule::Kind::Milliseconds) w.key("ms").raw(shortestText(static_cast<float>(e.stop.amount)));
@@ -112,6 +118,7 @@ std::string experimentSchema(const std::string& presets) {
       {"metrics", listOf({{"enum", metrics}}, "The first is that of the fronts. relmse and mse are measured in any case.")},
       {"references", listOf({{"enum", {"matched", "full"}}}, "What errors are against.")},
       {"targets", listOf({{"enum", {"image", "lightmap"}}}, "What errors are of; the lightmap's, of techniques that have one, are area-weighted over its valid texels and against the matched reference.")},
+      {"compare_with", {{"type", "object"}, {"additionalProperties", value}, {"description", "Names one of the experiment's own runs, by values of what is varied: every run's indirect irradiance is compared with that of the run which differs from it in these alone (reference \"run\")."}}},
       {"target_error", {{"type", "number"}, {"minimum", 0}, {"default", 0}, {"description", "Of the first metric: the report names the cheapest configurations that stay within it; 0: none."}}},
       {"stop",
        {{"anyOf",

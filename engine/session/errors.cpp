@@ -190,6 +190,27 @@ std::vector<ErrorValue> Session::measureErrorsOf(const Image& indirect, const st
   return out;
 }
 
+std::vector<ErrorValue> Session::measureErrorsBetween(const Image& indirect, const Image& other, const std::vector<std::string>& metrics, const char* reference) {
+  Impl& s = *impl_;
+  if (indirect.width != other.width || indirect.height != other.height)
+    throw badInput(fmt::format("images of {}x{} and {}x{} cannot be compared", indirect.width, indirect.height, other.width, other.height));
+  MeasureOptions options;
+  options.appearance = s.appearance();
+  options.pool = &s.pool;
+  options.mask = s.surfaceMask();
+  std::vector<ErrorValue> out;
+  if (!anySet(options.mask)) return out;
+  std::vector<std::string> names;
+  std::vector<Mask> masks;
+  for (auto& [name, part] : s.regionMasks(options.mask)) names.push_back(name), masks.push_back(std::move(part));
+  const ReferenceImage truth{other, other, other};
+  for (const std::string& m : metrics) {
+    const std::vector<MetricResult> results = measureRegions(m, indirect, truth, options, masks);
+    for (size_t i = 0; i < results.size(); ++i) out.push_back(valueOf(results[i], m, reference, "image", kComponentNames[static_cast<size_t>(Component::Indirect)], names[i]));
+  }
+  return out;
+}
+
 Image Session::Impl::errorMap(const std::string& metric, bool againstFull) {
   const ReferenceRun& run = !againstFull && matched.result ? matched : full;
   if (!run.result) throw badInput("error map: there is no reference yet");

@@ -187,6 +187,7 @@ std::shared_ptr<const FrameResult> Session::frame(Progress* progress) {
     r.counters.push_back({"probes", static_cast<double>(s.placed->count())});
     r.counters.push_back({"probes_inside_geometry", static_cast<double>(s.placed->insideGeometry)});
     r.counters.push_back({"probes_coverage", s.placed->coverage});
+    if (s.atlas) r.counters.push_back({"probes_unseen_area", (1 - s.placed->coverage) * s.atlas->report.area});  // [m^2]
   }
   for (const auto& c : s.technique->counters()) r.counters.push_back(c);
   if (s.full.result) r.counters.push_back({"reference_back_face_hits", static_cast<double>(s.full.result->backFaceHits)});

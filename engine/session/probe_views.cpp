@@ -87,7 +87,7 @@ void Session::Impl::pickProbe() {
   const double share = coverageOf(*embree, std::span(&placed->positions[*pickedProbe], 1), samples, offset, pool, *progress);
   pickReport.facts.emplace_back("probe", fmt::format("{} of {} at ({:.3f}, {:.3f}, {:.3f}){}", *pickedProbe + 1, placed->count(), at.x, at.y, at.z,
                                                      placed->inside[*pickedProbe] ? ", inside geometry" : ""));
-  pickReport.facts.emplace_back("it sees", fmt::format("{:.1f} % of the surfaces' area", 100 * share));
+  pickReport.facts.emplace_back("it sees", fmt::format("{:.1f} % of the surfaces' area{}", 100 * share, atlas ? fmt::format(", {:.4g} m^2", share * atlas->report.area) : ""));
 }
 
 bool Session::Impl::showProbeView(FrameResult& r) {

@@ -60,7 +60,8 @@ std::string forecastText(const RebuildForecast& f) {
   if (!f.refused.empty()) return f.refused;
   const std::string warnings = fmt::format("{}", fmt::join(f.warnings, "; "));
   if (f.seconds < 0) return warnings;
-  std::string text = f.work.atMost && f.seconds >= kWorthSaying ? "at most " + secondsText(f.seconds) : secondsText(f.seconds);
+  std::string text = f.anew.empty() ? "" : fmt::format("{}: ", fmt::join(f.anew, ", "));
+  text += f.work.atMost && f.seconds >= kWorthSaying ? "at most " + secondsText(f.seconds) : secondsText(f.seconds);
   if (f.basis == ForecastBasis::OtherScene) text += " (by another scene's speed)";
   if (f.basis == ForecastBasis::Calibrated) text += " (roughly: no such work was done here yet)";
   text += fmt::format("; {} rays, {:.3g} MB", amountText(f.work.rays), f.work.bytes / 1e6);
@@ -96,6 +97,7 @@ RebuildForecast Session::Impl::forecastOf(const Technique& asked, const SceneVie
     return f;
   }
   if (f.work.parts.empty()) return f;
+  f.anew = {f.work.name};
   double work = 0;
   for (const WorkPart& part : f.work.parts) {
     if (!(part.amount > 0)) continue;
@@ -177,6 +179,10 @@ RebuildForecast Session::forecastRebuild(const std::map<std::string, std::string
                        needs.probes ? probes.get() : nullptr};
   RebuildForecast forecast = s.forecastOf(*next.technique, view, lumels, atlasAnew, true, p);
   forecast.warnings = unknown.warnings;
+  std::vector<std::string> before;
+  if (atlasAnew && needs.lightmap) before.emplace_back("lightmap");
+  if (probesAnew && needs.probes) before.emplace_back("placement");
+  forecast.anew.insert(forecast.anew.begin(), before.begin(), before.end());
   p.begin("", 0);  // nothing of it goes on
   return forecast;
 }

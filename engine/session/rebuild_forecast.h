@@ -17,6 +17,7 @@ enum class ForecastBasis {
 
 struct RebuildForecast {
   bool rebuilds = false;          ///< false: nothing begins anew that takes long
+  std::vector<std::string> anew;  ///< what is made again, in order: "lightmap", "placement", and what the technique calls its own ("transport")
   std::string refused;            ///< why rebuilding would be refused, in its words; "" where it would not
   std::vector<std::string> warnings;  ///< what rebuilding would warn of, in its words: probes by hand inside geometry
   RebuildEstimate work;
@@ -26,7 +27,7 @@ struct RebuildForecast {
   std::vector<std::pair<std::string, double>> parts;  ///< seconds of each kind of work, and of "preparation" before it
 };
 
-/// "about 12 s; 120 M rays; 27 MB, 234 MB before compression". `refused` alone where it would be; `warnings` at the end.
+/// "lightmap, placement, transport: about 12 s; 120 M rays, 27 MB, 234 MB before compression": what command line and window say. `refused` alone where it would be; `warnings` at the end.
 std::string forecastText(const RebuildForecast&);
 
 }  // namespace hl

@@ -137,6 +137,7 @@ struct FrameResult {
   /// Of these images a reference's, with their halves: errors against them are free of the reference's own variance.
   std::map<std::string, std::shared_ptr<const ReferenceImage>> references;
   std::shared_ptr<const Mask> surfaces;  ///< pixels that see a surface, which errors are means over; null where no image is wanted
+  std::shared_ptr<const Mask> glossy;    ///< those of them that see a glossy surface, where an image of lobes' light is wanted, whose errors are means over these
 };
 
 class Session {
@@ -214,6 +215,9 @@ class Session {
   /// The same for an image of indirect irradiance that was made elsewhere, at the pixels of the last frame. `specular`: indirect specular radiance; without it pictures of
   /// glossy surfaces have an error of the irradiance alone.
   std::vector<ErrorValue> measureErrorsOf(const Image& indirect, const std::vector<std::string>& metrics, const Image* specular = nullptr);
+  /// Of indirect irradiance against another image of it that was made elsewhere, without noise of its own to subtract, at the pixels and regions of the last
+  /// frame; `reference`: what the errors call it. @throws Error(BadInput) for images of another size.
+  std::vector<ErrorValue> measureErrorsBetween(const Image& indirect, const Image& other, const std::vector<std::string>& metrics, const char* reference);
   /// The reference's path tracer as a competitor, at the pixels of the last frame, along the paths that the technique models. Not longer than the session.
   std::unique_ptr<ProgressiveTracer> progressiveTracer(uint64_t seed);
   /// Pixels that see a surface: what errors are means over.

@@ -130,7 +130,7 @@ void writePicture(const std::filesystem::path& file, Image image, const FrameRes
 }
 
 void measure(Session& session, const Experiment& e, const PlannedRun& run, const std::filesystem::path& variancePicture,
-             const std::filesystem::path& picture, Progress& p, RunRecord& record, RunResults& results) {
+             const std::filesystem::path& picture, const std::filesystem::path& comparedWith, Progress& p, RunRecord& record, RunResults& results) {
   const std::vector<std::string> metrics = measuredMetrics(e);
   session.setReferenceWanted(false);
   session.load(run.preset, &p);
@@ -143,7 +143,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
                                  t.receiver == ReceiverNormal::Mapped ? "mapped" : t.receiver == ReceiverNormal::Geometric ? "geometric" : "mapped receivers' and geometric");
   record.provenance = made->provenance;
   results.frame = made;
-  if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
+  if (made->techniqueFailed) throw Error(made->failure, made->message);
   if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   if (plays) session.reference("image", &p);
@@ -151,6 +151,10 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
   if (measuresLightmap(e) && session.technique().needs().lightmap) {
     session.reference("lightmap", &p);
     for (const ErrorValue& v : session.measureErrors(metrics, "lightmap")) record.errors.push_back(v), results.errors.push_back(v);
+  }
+  if (!comparedWith.empty()) {
+    if (!std::filesystem::exists(comparedWith)) throw Error(ErrorKind::Run, fmt::format("{}: there is no picture of the run that this one is compared with; it has failed", comparedWith.string()));
+    for (const ErrorValue& v : session.measureErrorsBetween(session.image("indirect_irradiance"), readImage(comparedWith), metrics, kOwnRun)) record.errors.push_back(v), results.errors.push_back(v);
   }
   record.surfacePixels = session.surfacePixels();
   record.imageHash = results.imageHash = hashOfImage(session.image("final"));
@@ -182,7 +186,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
 }  // namespace
 
 RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& run, const std::filesystem::path& variancePicture,
-                     const std::filesystem::path& picture, Progress& p, RunResults& results) {
+                     const std::filesystem::path& picture, Progress& p, RunResults& results, const std::filesystem::path& comparedWith) {
   const double began = nowMs();
   RunRecord record;
   record.key = run.key, record.seed = run.seed, record.repeat = run.repeat;
@@ -194,13 +198,14 @@ RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& ru
     if (record.provenance.commit.empty()) record.provenance = session.provenance();
   };
   try {
-    measure(session, e, run, variancePicture, picture, p, record, results);
+    measure(session, e, run, variancePicture, picture, comparedWith, p, record, results);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::Cancelled || error.kind() == ErrorKind::Device) {
       session.setReferenceWanted(false);
       session.setWorkPaused(false);
       throw;
     }
+    record.badInput = error.kind() == ErrorKind::BadInput;
     record.overLimit = dynamic_cast<const LimitError*>(&error) != nullptr;
     fail(error.what());
   } catch (const std::bad_alloc&) {

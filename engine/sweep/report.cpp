@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/gpu/timing_limits.h"
 #include "engine/sweep/cost_slopes.h"
@@ -157,6 +158,41 @@ std::string errorTable(const SweepResults& r, const Summary& s, size_t problem) 
   return rows.empty() ? "" : out + rule + "\n" + rows + "\nIn brackets the standard error by the reference's noise.\n\n";
 }
 
+/// Against the run that `compare_with` names, whole picture and regions, and beside it against the first reference.
+std::string comparisonTable(const SweepResults& r, const Summary& s, size_t problem) {
+  if (r.experiment.compareWith.empty()) return "";
+  const std::string& beside = r.experiment.references.front();
+  const auto find = [](const ConfigurationSummary& c, const std::string& reference, const std::string& metric, const std::string& roi) -> const ErrorSummary* {
+    for (const ErrorSummary& e : c.errors)
+      if (e.reference == reference && e.target == "image" && e.component == "indirect" && e.metric == metric && e.roi == roi) return &e;
+    return nullptr;
+  };
+  const auto over = [](double value, const ErrorSummary* of) { return of && of->value.mean != 0 ? fmt::format("{:.3g}", value / of->value.mean) : std::string("-"); };
+  std::string rows;
+  for (const std::string& metric : r.experiment.metrics) {
+    std::map<std::pair<size_t, std::string>, const ErrorSummary*> first;  // of those compared with the same run, by region
+    for (const ConfigurationSummary& c : s.configurations) {
+      const size_t counterpart = r.counterparts[c.configuration];
+      if (c.problem != problem || counterpart == c.configuration) continue;
+      const ConfigurationSummary* other = nullptr;
+      for (const ConfigurationSummary& o : s.configurations)
+        if (o.configuration == counterpart) other = &o;
+      for (const ErrorSummary& e : c.errors) {
+        if (e.reference != kOwnRun || e.metric != metric) continue;
+        const ErrorSummary* start = first.emplace(std::pair(counterpart, e.roi), &e).first->second;
+        const ErrorSummary* truth = find(c, beside, metric, e.roi);
+        rows += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", cell(r.configurations[c.configuration].label()), e.roi.empty() ? "whole picture" : cell(e.roi), metric, estimate(e.value),
+                            over(e.value.mean, start), truth ? estimate(truth->value) : "-", truth && other ? over(truth->value.mean, find(*other, beside, metric, e.roi)) : "-");
+      }
+    }
+  }
+  if (rows.empty()) return "";
+  std::string named;
+  for (const auto& [key, value] : r.experiment.compareWith) named += fmt::format("{}{} {}", named.empty() ? "" : ", ", key, value);
+  return fmt::format("### Against the run with {}\n\nIndirect irradiance of the picture, seed by seed; beside it against {}. Ratios: to the first configuration of this table, and to that run's own error.\n\n"
+                     "| configuration | region | metric | against the run | of the first | against {} | of the run's |\n| --- | --- | --- | --- | --- | --- | --- |\n", named, beside, beside) + rows + "\n";
+}
+
 /// What passes move over what they take, beside what the device copies.
 std::string trafficTable(const SweepResults& r, const Summary& s, size_t problem) {
   std::string rows;
@@ -203,7 +239,7 @@ std::string sweepReport(const SweepResults& r, const Summary& s) {
   std::string out = header(r);
   for (size_t problem = 0; problem < r.problems.size(); ++problem) {
     out += fmt::format("## {}\n\n", r.problems[problem].label) + configurationTable(r, s, problem);
-    out += targetTable(r, s, problem) + errorTable(r, s, problem) + trafficTable(r, s, problem) + slopeTable(r, s, problem);
+    out += targetTable(r, s, problem) + errorTable(r, s, problem) + comparisonTable(r, s, problem) + trafficTable(r, s, problem) + slopeTable(r, s, problem);
     for (const std::string& reference : r.experiment.references) {
       out += fmt::format("### Speed against relative error (root of relmse), against {}\n\n", reference);
       std::vector<const SpeedTable*> tables;

@@ -15,11 +15,13 @@ namespace {
 // Changes whenever a run of the same preset would be measured in another way: results of before are then not taken up.
 constexpr uint32_t kRunVersion = 2;
 
-std::string keyOf(const Experiment& e, const Preset& preset, int repeat) {
+/// `other`: the preset that it is compared with, null where none.
+std::string keyOf(const Experiment& e, const Preset& preset, int repeat, const Preset* other) {
   Hasher h;
   h.value(kRunVersion).text(presetHash(preset)).value(repeat);
   h.value(static_cast<int>(e.stop.kind)).value(e.stop.amount);
   hashMeasurement(h, e, preset);
+  if (other) h.text(kOwnRun).text(presetHash(*other));
   return h.hex();
 }
 
@@ -71,6 +73,10 @@ void hashMeasurement(Hasher& h, const Experiment& e, const Preset& preset) {
     for (const Region& r : *preset.regions) h.text(r.name).value(r.x).value(r.y).value(r.width).value(r.height);
 }
 
+bool wantsReference(const Experiment& e, const std::string& reference) {
+  return reference == kOwnRun ? !e.compareWith.empty() : std::find(e.references.begin(), e.references.end(), reference) != e.references.end();
+}
+
 bool measuresLightmap(const Experiment& e) { return std::find(e.targets.begin(), e.targets.end(), "lightmap") != e.targets.end(); }
 
 std::vector<std::string> measuredMetrics(const Experiment& e) {
@@ -81,13 +87,24 @@ std::vector<std::string> measuredMetrics(const Experiment& e) {
 }
 
 std::vector<PlannedRun> planOf(const Experiment& e, const std::vector<Configuration>& configurations) {
+  const std::vector<size_t> counterparts = counterpartsOf(e, configurations);
+  // Those that others are compared with come first: their pictures must be there.
+  std::vector<size_t> order;
+  for (const bool first : {true, false})
+    for (size_t i = 0; i < configurations.size(); ++i) {
+      bool asked = false;
+      for (size_t j = 0; j < counterparts.size(); ++j) asked |= j != i && counterparts[j] == i;
+      if (asked == first) order.push_back(i);
+    }
   std::vector<PlannedRun> out;
   for (int repeat = 0; repeat < e.repeats; ++repeat)
     for (const uint32_t seed : e.seeds)
-      for (size_t i = 0; i < configurations.size(); ++i) {
+      for (const size_t i : order) {
         PlannedRun run{i, seed, repeat, configurations[i].preset, ""};
         run.preset.seed = seed;
-        run.key = keyOf(e, run.preset, repeat);
+        Preset other = configurations[counterparts[i]].preset;
+        other.seed = seed;
+        run.key = keyOf(e, run.preset, repeat, counterparts[i] == i ? nullptr : &other);
         out.push_back(std::move(run));
       }
   return out;
@@ -98,7 +115,7 @@ std::string runRecordJson(const RunRecord& r, const RunResults& results, const P
   w.beginObject();
   w.key("run").beginObject().member("key", r.key).member("seed", r.seed).member("repeat", r.repeat).key("failed");
   r.failed.empty() ? w.null() : w.text(r.failed);
-  w.member("over_limit", r.overLimit).member("technique_ms", r.techniqueMs).member("total_ms", r.totalMs).member("device_bytes", r.deviceBytes);
+  w.member("bad_input", r.badInput).member("over_limit", r.overLimit).member("technique_ms", r.techniqueMs).member("total_ms", r.totalMs).member("device_bytes", r.deviceBytes);
   w.member("technique_bytes", r.techniqueBytes).member("surface_pixels", r.surfacePixels).member("frames", r.frames);
   w.member("seconds", r.seconds).member("transport", r.transport).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads).member("copy_gbps", r.copyGbps).key("errors_at").beginArray();
   for (const ErrorAt& at : r.convergence) {
@@ -125,7 +142,7 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
     RunRecord r;
     r.key = run.at("key"), r.seed = run.at("seed"), r.repeat = run.at("repeat");
     if (!run.at("failed").is_null()) r.failed = run.at("failed");
-    r.overLimit = run.value("over_limit", false);
+    r.badInput = run.value("bad_input", false), r.overLimit = run.value("over_limit", false);
     r.techniqueMs = value(run, "technique_ms"), r.totalMs = value(run, "total_ms"), r.seconds = value(run, "seconds");
     r.deviceBytes = run.at("device_bytes"), r.techniqueBytes = run.at("technique_bytes"), r.surfacePixels = run.at("surface_pixels");
     r.frames = run.at("frames"), r.transport = run.at("transport");

@@ -21,12 +21,14 @@ struct PlannedRun {
   Preset preset;             ///< with the seed
   std::string key;           ///< of what its numbers depend on, apart from commit and device: the name of its file
 };
-/// Interleaved: all configurations once before the next seed, all seeds before the next repeat, so that a machine that slows down slows all alike.
+/// Those that others are compared with first, and for the rest interleaved: all configurations once before the next seed, all seeds before the next repeat, so that a machine that slows down slows all alike.
 std::vector<PlannedRun> planOf(const Experiment&, const std::vector<Configuration>&);
 
 /// The metrics that every run measures: those asked for, relmse (for tables) and mse (for bias and variance).
 std::vector<std::string> measuredMetrics(const Experiment&);
 bool measuresLightmap(const Experiment&);
+/// Whether the experiment asks for errors against this reference: its own run's too.
+bool wantsReference(const Experiment&, const std::string& reference);
 /// What a measurement depends on beside the preset's own hash: metrics, how the picture is shown (some metrics see that) and regions.
 void hashMeasurement(Hasher&, const Experiment&, const Preset&);
 
@@ -42,6 +44,7 @@ struct RunRecord {
   uint32_t seed = 1;
   int repeat = 0;
   std::string failed;              ///< why there are no numbers, or ""
+  bool badInput = false;           ///< ... and whose fault it is: the experiment's, whose values make no sense together
   bool overLimit = false;          ///< it failed since it took longer than the experiment's limit
   uint32_t frames = 0;             ///< that the picture took
   PassStatistics frameTime;        ///< frames as they are once the work has settled

@@ -25,10 +25,6 @@ bool isPlotted(const ErrorValue& e, const std::string& reference, const std::str
   return e.reference == reference && e.metric == metric && e.target == "image" && e.component == "indirect" && e.roi.empty();
 }
 
-bool wanted(const Experiment& e, const ErrorValue& v) {
-  return std::find(e.references.begin(), e.references.end(), v.reference) != e.references.end();
-}
-
 /// Per error: its values by seed (over repeats, their mean).
 using ErrorKey = std::tuple<std::string, std::string, std::string, std::string, std::string>;
 struct Collected {
@@ -42,7 +38,7 @@ std::vector<ErrorSummary> errorsOf(const SweepResults& r, const std::vector<size
   std::map<ErrorKey, Collected> all;
   for (const size_t i : runs)
     for (const ErrorValue& e : r.runs[i]->errors) {
-      if (!wanted(r.experiment, e)) continue;
+      if (!wantsReference(r.experiment, e.reference)) continue;
       const size_t order = all.size();
       const auto [at, fresh] = all.emplace(ErrorKey{e.reference, e.target, e.component, e.metric, e.roi}, Collected{});
       Collected& c = at->second;

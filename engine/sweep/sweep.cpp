@@ -63,6 +63,16 @@ size_t SweepResults::failed() const {
   return static_cast<size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& r) { return r && !r->failed.empty(); }));
 }
 
+const RunRecord* SweepResults::firstFailed() const {
+  for (const auto& r : runs)
+    if (r && !r->failed.empty()) return &*r;
+  return nullptr;
+}
+
+bool SweepResults::failedByInput() const {
+  return failed() > 0 && std::all_of(runs.begin(), runs.end(), [](const auto& r) { return !r || r->failed.empty() || r->badInput; });
+}
+
 std::vector<SweepProblem> problemsOf(const std::vector<Configuration>& configurations) {
   std::vector<SweepProblem> out;
   std::map<std::string, size_t> known;
@@ -77,6 +87,13 @@ std::vector<SweepProblem> problemsOf(const std::vector<Configuration>& configura
 
 bool wantsVariance(const Experiment& e, const PlannedRun& run) { return e.seeds.size() > 1 && run.repeat == 0; }
 
+bool keepsPicture(const SweepResults& r, const PlannedRun& run) {
+  if (wantsVariance(r.experiment, run)) return true;
+  bool asked = false;
+  for (size_t i = 0; i < r.counterparts.size(); ++i) asked |= i != run.configuration && r.counterparts[i] == run.configuration;
+  return asked && run.repeat == 0;  // another repeat is the same picture
+}
+
 fs::path variancePictureOf(const fs::path& folder, const PlannedRun& run) { return folder / "runs" / (run.key + ".pfm"); }
 
 Sweep::Sweep(const Experiment& experiment, fs::path folder) {
@@ -84,6 +101,7 @@ Sweep::Sweep(const Experiment& experiment, fs::path folder) {
   r.experiment = experiment;
   r.folder = std::move(folder);
   r.configurations = configurationsOf(experiment);
+  r.counterparts = counterpartsOf(r.experiment, r.configurations);
   r.problems = problemsOf(r.configurations);
   r.plan = planOf(experiment, r.configurations);
   r.runs.resize(r.plan.size());
@@ -98,7 +116,7 @@ void Sweep::takeUp() {
     if (!fs::exists(file)) continue;
     try {
       RunRecord record = readRunRecord(readFile(file), file.string());
-      if (record.failed.empty() && wantsVariance(r.experiment, run) && !fs::exists(variancePictureOf(r.folder, run))) continue;
+      if (record.failed.empty() && keepsPicture(r, run) && !fs::exists(variancePictureOf(r.folder, run))) continue;
       if (record.key == run.key) r.runs[i] = std::move(record);
     } catch (const Error& e) {
       logWarning(fmt::format("{}; it counts as not made", e.what()));
@@ -225,8 +243,12 @@ void Sweep::runAll(Session& session, Progress& p) {
                        r.experiment.repeats > 1 ? fmt::format(", repeat {}", run.repeat + 1) : ""));
     const bool picture = r.experiment.images && run.repeat == 0 && run.seed == r.experiment.seeds.front();
     RunResults results;
-    RunRecord record = measureRun(session, r.experiment, run, wantsVariance(r.experiment, run) ? variancePictureOf(r.folder, run) : fs::path(),
-                                  picture ? pictureOf(r.folder, run.configuration) : fs::path(), p, results);
+    fs::path other;
+    if (const size_t counterpart = r.counterparts[run.configuration]; counterpart != run.configuration)
+      for (const PlannedRun& made : r.plan)
+        if (made.configuration == counterpart && made.seed == run.seed && made.repeat == 0) other = variancePictureOf(r.folder, made);
+    RunRecord record = measureRun(session, r.experiment, run, keepsPicture(r, run) ? variancePictureOf(r.folder, run) : fs::path(),
+                                  picture ? pictureOf(r.folder, run.configuration) : fs::path(), p, results, other);
     record.copyGbps = copyGbps;
     store(record, results, run.preset);
     r.runs[i] = std::move(record);

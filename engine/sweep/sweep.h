@@ -40,6 +40,7 @@ struct SweepProblem {
 struct SweepResults {
   Experiment experiment;
   std::vector<Configuration> configurations;
+  std::vector<size_t> counterparts;  ///< by configuration: the one that it is compared with, or itself
   std::vector<SweepProblem> problems;
   std::vector<PlannedRun> plan;
   std::vector<std::optional<RunRecord>> runs;  ///< by position in the plan; without a value where not yet run
@@ -52,6 +53,9 @@ struct SweepResults {
 
   size_t done() const;
   size_t failed() const;
+  /// The first run that failed; null: none. And whether the experiment is at fault in all that did.
+  const RunRecord* firstFailed() const;
+  bool failedByInput() const;
   bool complete() const { return done() == plan.size(); }
 };
 
@@ -98,9 +102,10 @@ class Sweep {
 SweepResults openSweep(const std::filesystem::path& folder);
 
 /// One run, measured; with the session's reference, which is traced first where it is missing. The images that bias and variance need are written to
-/// `variancePicture` unless that is empty, the picture (EXR) to `picture` likewise. @throws Error(Cancelled, Device); other failures are in the record.
+/// `variancePicture` unless that is empty, the picture (EXR) to `picture` likewise. `comparedWith`: the same of the run that it is compared with; empty where
+/// there is none, and a failure of this run where it is missing. @throws Error(Cancelled, Device); other failures are in the record.
 RunRecord measureRun(Session&, const Experiment&, const PlannedRun&, const std::filesystem::path& variancePicture, const std::filesystem::path& picture,
-                     Progress&, RunResults& results);
+                     Progress&, RunResults& results, const std::filesystem::path& comparedWith = {});
 
 /// The same for presets that are measured against the same references: their problem, and the technique, whose light paths the matched one follows.
 std::string referenceProblem(const Preset&);
@@ -110,8 +115,10 @@ std::vector<SweepProblem> problemsOf(const std::vector<Configuration>&);
 std::vector<TracerRun> storedTracerRuns(const SweepResults&);
 std::string tracerRunJson(const TracerRun&);
 TracerRun readTracerRun(const std::string& text, const std::string& whereFrom);
-/// Where bias and variance find the picture of a run; PFM, indirect irradiance.
+/// Where bias and variance, and runs that are compared with it, find the picture of a run; PFM, indirect irradiance.
 std::filesystem::path variancePictureOf(const std::filesystem::path& folder, const PlannedRun&);
 bool wantsVariance(const Experiment&, const PlannedRun&);
+/// Whether it is kept: for these, or since others are compared with it.
+bool keepsPicture(const SweepResults&, const PlannedRun&);
 
 }  // namespace hl

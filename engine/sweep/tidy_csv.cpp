@@ -34,10 +34,6 @@ std::string errorCells(const ErrorValue& e) {
                      csvCell(e.noiseFloor), csvCell(e.standardError));
 }
 
-bool wanted(const Experiment& e, const ErrorValue& v) {
-  return std::find(e.references.begin(), e.references.end(), v.reference) != e.references.end();
-}
-
 }  // namespace
 
 std::string sweepCsv(const SweepResults& r) {
@@ -63,12 +59,12 @@ std::string sweepCsv(const SweepResults& r) {
     if (!run.failed.empty()) out += head + ",,,,,,,," + tail;
     if (run.failed.empty())
       for (const ErrorValue& e : run.errors)
-        if (wanted(r.experiment, e)) out += head + errorCells(e) + tail;
+        if (wantsReference(r.experiment, e.reference)) out += head + errorCells(e) + tail;
   }
   for (const TracerRun& run : r.tracer)
     for (const TracerPoint& point : run.points)
       for (const ErrorValue& e : point.errors)
-        if (wanted(r.experiment, e))
+        if (wantsReference(r.experiment, e.reference))
           out += fmt::format("path_tracer,{},,path_tracer{},{},0{},{},,,,,,,,,,{},,{}\n", csvCell(r.problems[run.problem].label),
                              std::string(keys.size(), ','), run.seed, errorCells(e), point.paths, csvCell(point.ms), run.key);
   return out;
@@ -81,7 +77,7 @@ std::string convergenceCsv(const SweepResults& r) {
     const PlannedRun& p = r.plan[i];
     for (const ErrorAt& at : r.runs[i]->convergence)
       for (const ErrorValue& e : at.errors)
-        if (wanted(r.experiment, e))
+        if (wantsReference(r.experiment, e.reference))
           out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", p.configuration, csvCell(p.preset.technique), p.seed, p.repeat, at.frames, csvCell(at.ms),
                              csvCell(e.reference), csvCell(e.metric), csvCell(e.value), csvCell(e.noiseFloor), csvCell(e.standardError));
   }

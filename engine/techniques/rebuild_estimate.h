@@ -23,6 +23,7 @@ struct RebuildEstimate {
   double bytesBefore = 0;           ///< ... before compression; 0 where nothing is compressed
   double bytesOfFrames = 0;         ///< held by frames for it besides, and known beforehand: radiance at glossy receivers
   double bytesMore = 0;             ///< kept besides at most, by what is found on the way
+  std::string name = "precomputation";  ///< what is precomputed, as a person would call it: "transport"
   bool atMost = false;              ///< work may end earlier: an iteration that converges
 };
 

@@ -82,6 +82,15 @@ TEST_F(ProbesSessionTest, Views) {
   EXPECT_GT(red, 2u);
   EXPECT_GT(uncovered, 100u) << "two probes do not see all of the blocks";
   EXPECT_LT(uncovered, kWidth * kHeight / 2u);
+  double area = 0, unseen = -1;
+  for (const uvec3 t : session->scene().indices) {
+    const auto& at = session->scene().positions;
+    area += 0.5 * static_cast<double>(glm::length(glm::cross(at[t.y] - at[t.x], at[t.z] - at[t.x])));
+  }
+  for (const auto& [name, value] : plain->counters)
+    if (name == "probes_unseen_area") unseen = value;
+  EXPECT_NEAR(unseen, (1 - plain->probes->coverage) * area, 1e-4 * area);
+  EXPECT_GT(unseen, 0);
   // The ball under a pixel is picked, and what the probe sees stays as it is.
   const CameraBasis basis = cameraBasis(plain->camera, static_cast<float>(kWidth) / kHeight);
   int x = -1, y = -1;

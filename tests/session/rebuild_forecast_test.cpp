@@ -76,6 +76,10 @@ TEST_F(RebuildForecastTest, RaysAndBytesOfSrpAreThoseThatHappen) {
     const auto frame = apply(*session, c.changes);
     EXPECT_TRUE(f.rebuilds);
     EXPECT_EQ(f.refused, "");
+    EXPECT_EQ(f.anew.back(), "transport");
+    EXPECT_EQ(f.anew.size(), c.changes.contains("probes.spacing") ? 2u : 1u);
+    EXPECT_EQ(f.anew.front(), c.changes.contains("probes.spacing") ? "placement" : "transport");
+    EXPECT_EQ(text.find(f.anew.front()), 0u) << text;
     const double probes = counterOf(*frame, "probes");
     EXPECT_EQ(f.work.rays, counterOf(*frame, "rays_cast") + 256 * probes);
     double matrices = 0, lumels = 0;
@@ -94,6 +98,7 @@ TEST_F(RebuildForecastTest, RaysAndBytesOfSrpAreThoseThatHappen) {
   }
   // Of another lightmap the receivers are not counted, but in proportion.
   const RebuildForecast larger = session->forecastRebuild({{"lightmap.resolution", "64"}});
+  EXPECT_EQ(larger.anew, (std::vector<std::string>{"lightmap", "transport"}));
   const auto frame = apply(*session, {{"lightmap.resolution", "64"}});
   const double cast = counterOf(*frame, "rays_cast") + 256 * counterOf(*frame, "probes");
   EXPECT_GT(larger.work.rays, cast / 1.25);

@@ -100,6 +100,66 @@ TEST_F(SweepTest, RunsInterleavedAndTheFolderReadsBackTheSame) {
   for (const auto& [name, text] : before) EXPECT_TRUE(after.at(name) == text) << name;
 }
 
+TEST_F(SweepTest, RunsAreComparedWithOneOfTheirOwn) {
+  const Experiment e = tiny(R"("permute": {"radiosity.samples": [4, 16, 9]}, "seeds": [1, 2], "metrics": ["mse", "bias"], "references": ["matched"], "path_tracer": false, "compare_with": {"radiosity.samples": 16})");
+  const auto session = makeSession();
+  Progress p;
+  Sweep sweep(e, folder / "out");
+  sweep.run(*session, p);
+  expectNoMessages(*session);
+  const SweepResults& r = sweep.results();
+  ASSERT_EQ(r.failed(), 0u);
+  ASSERT_EQ(r.plan.size(), 6u);
+  EXPECT_EQ(r.plan[0].configuration, 1u) << "what others are compared with is made first";
+  const auto errors = [](const RunRecord& run, const std::string& reference) {
+    std::vector<double> out;
+    for (const ErrorValue& v : run.errors)
+      if (v.reference == reference && v.metric == "mse" && v.component == "indirect" && v.roi.empty()) out.push_back(v.value);
+    return out;
+  };
+  for (size_t i = 0; i < r.plan.size(); ++i) {
+    const std::vector<double> own = errors(*r.runs[i], "run");
+    EXPECT_EQ(errors(*r.runs[i], "matched").size(), 1u);
+    ASSERT_EQ(own.size(), r.plan[i].configuration == 1 ? 0u : 1u);
+    if (own.empty()) continue;
+    // By hand, from the two pictures.
+    session->load(r.plan[i].preset);
+    session->settle();
+    const Image a = session->image("indirect_irradiance");
+    const Image b = readImage(variancePictureOf(r.folder, r.plan[r.plan[i].seed == 1 ? 0 : 3]));
+    ASSERT_EQ(r.plan[r.plan[i].seed == 1 ? 0 : 3].seed, r.plan[i].seed);
+    double sum = 0;
+    for (size_t k = 0; k < a.pixels(); ++k)
+      for (size_t c = 0; c < 3; ++c) sum += std::pow(static_cast<double>(a.data[k * static_cast<size_t>(a.channels) + c]) - static_cast<double>(b.data[k * static_cast<size_t>(b.channels) + c]), 2) / 3;
+    EXPECT_NEAR(own[0], sum / static_cast<double>(r.runs[i]->surfacePixels), 1e-5 * own[0]) << "where no surface is, both are 0";
+    EXPECT_GT(own[0], 0);
+  }
+  const std::string report = sweepReport(r, summarise(r));
+  EXPECT_NE(report.find("### Against the run with radiosity.samples 16"), std::string::npos);
+  EXPECT_NE(sweepCsv(r).find(",run,image,indirect,mse,"), std::string::npos);
+  EXPECT_TRUE(sweepCsv(openSweep(folder / "out")) == sweepCsv(r));
+
+  // A picture that is gone is made again, by the run whose it is; compared with another, runs are others.
+  std::filesystem::remove(variancePictureOf(r.folder, r.plan[0]));
+  EXPECT_EQ(Sweep(e, folder / "out").results().done(), 5u);
+  Experiment other = e;
+  other.compareWith = {{"radiosity.samples", "9"}};
+  EXPECT_EQ(Sweep(other, folder / "out").results().done(), 0u);
+
+  const auto refused = [&](const std::string& with) {
+    try {
+      tiny(R"("permute": {"radiosity.samples": [4, 16]}, "compare_with": )" + with);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused(R"({"radiosity.samples": 5})").find("none of the runs is like"), std::string::npos);
+  EXPECT_NE(refused(R"({"radiosity.samples": [4, 16]})").find("one value is wanted"), std::string::npos);
+  EXPECT_NE(refused(R"({"camera": "front"})").find("different pictures"), std::string::npos);
+  EXPECT_NE(refused(R"({"radiosity.sample": 4})").find("radiosity.samples"), std::string::npos);
+}
+
 TEST_F(SweepTest, LightmapErrorsTrafficSlopesAndTheCheapestWithinATarget) {
   const std::string base = R"({"version": 1, "scene": "cornell_box", "resolution": [32, 24], "technique": "srp", "parameters": {"reference.samples": 16, "reference.direct_samples": 4,
       "direct.samples": 4, "lightmap.resolution": 32, "probes.spacing": 0.5, "srp.receiver_rays": 64, "srp.probe_rays": 128, "srp.cache": false}})";

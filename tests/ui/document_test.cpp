@@ -89,7 +89,8 @@ class DocumentTest : public QObject {
     RebuildForecast f;
     f.rebuilds = true;
     f.seconds = 12;
-    f.work.rays = 1.2e8, f.work.bytes = 2.7e7, f.work.bytesBefore = 2.34e8;
+    f.work.rays = 1.2e8, f.work.bytes = 2.7e7, f.work.bytesBefore = 2.34e8, f.work.bytesMore = 1.1e7;
+    f.anew = {"lightmap", "placement", "transport"};
     f.parts = {{"rays", 11}, {"preparation", 1}};
     return f;
   }
@@ -122,7 +123,8 @@ class DocumentTest : public QObject {
     QCOMPARE(link_.forecastOf, (std::map<std::string, std::string>{{"srp.sh_order", "6"}}));
     QCOMPARE(document_->parameter("srp.sh_order"), std::string("6"));
     QVERIFY(bar.isVisibleTo(nullptr));
-    for (const char* part : {"about 12 s", "120 million rays", "27 MB", "234 MB"}) QVERIFY2(bar.text().contains(part), qPrintable(bar.text()));
+    QVERIFY2(bar.text().endsWith(QString::fromStdString(forecastText(longRebuild()))), "the command line's words");
+    for (const char* part : {"lightmap, placement, transport: about 12 s", "120 M rays", "27 MB", "at most 11 MB more", "234 MB before"}) QVERIFY2(bar.text().contains(part), qPrintable(bar.text()));
     // Live ones go on meanwhile, and a second one joins the first.
     document_->editParameters({{"srp.least_valid", "0.7"}}, "live");
     QCOMPARE(link_.takeCalls(), QStringList{"param srp.least_valid=0.7"});

@@ -52,6 +52,7 @@ class ProbesTest : public FakeWindowTest {
     f->display.resize(static_cast<size_t>(kWidth) * kHeight * 4, 40);
     f->camera = camera_, f->scene = scene_, f->probes = placed_;
     f->preset = document().preset();
+    f->atlas.area = 200;
     const QStringList words = link_->calls.filter("pick").isEmpty() ? QStringList() : link_->calls.filter("pick").last().split(' ');
     if (words.size() == 3) {
       f->picked.x = words[1].toInt(), f->picked.y = words[2].toInt(), f->picked.triangle = 17;
@@ -99,6 +100,7 @@ class ProbesTest : public FakeWindowTest {
 
   void countAndCoverageAreShown() {
     QVERIFY2(facts().startsWith("2 probes see 20.0 %"), qPrintable(facts()));
+    QVERIFY2(facts().contains("Seen by none: 160 m²"), qPrintable(facts()));
     QCOMPARE(table()->rowCount(), 2);
   }
 

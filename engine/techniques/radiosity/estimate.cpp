@@ -39,6 +39,7 @@ std::vector<WorkPart> bakeWork(const RadiosityBake::Done& done) {
 
 RebuildEstimate estimateBake(const SceneView& scene, const RadiosityParams& params, double lumels) {
   RebuildEstimate estimate;
+  estimate.name = "light";
   if (!(lumels > 0)) return estimate;
   const double samples = params.samples, bounces = expectedBounces(meanAlbedo(*scene.atlas), params);
   const auto remembered = static_cast<double>(RadiosityBake::rememberedLumels(static_cast<uint64_t>(lumels), params));

@@ -84,12 +84,9 @@ void splitMeans(const Atlas& atlas, Range lumels, size_t most, std::vector<Range
 /// `least_clusters` makes no smaller ones: their bases would be larger than what they save.
 constexpr size_t kSmallestPart = 64;
 
-struct Asked {
-  uint32_t probe;
-  float weight;
-};
+}  // namespace
 
-std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpParams& params, float side) {
+std::vector<AskedProbe> askedProbes(vec3 at, std::span<const vec3> probes, const SrpParams& params, float side) {
   std::vector<std::pair<float, uint32_t>> byDistance(probes.size());
   for (uint32_t i = 0; i < probes.size(); ++i) byDistance[i] = {glm::distance(at, probes[i]), i};
   float radius = params.radius * side;
@@ -103,17 +100,15 @@ std::vector<Asked> askedProbes(vec3 at, std::span<const vec3> probes, const SrpP
     constexpr float kLeastReach = 1.01f;
     if (count > 0) radius = byDistance.size() > k ? std::max(byDistance[k].first, kLeastReach * byDistance[count - 1].first) : 2 * byDistance[count - 1].first;
   }
-  std::vector<Asked> asked;
+  std::vector<AskedProbe> asked;
   for (size_t i = 0; i < count; ++i) {
     // At a radius of 0 the probe is where the receiver is.
     const float w = radius > 0 ? probeWeight(byDistance[i].first / radius) : 1.0f;
     if (w > 0) asked.push_back({byDistance[i].second, w});
   }
-  std::sort(asked.begin(), asked.end(), [](const Asked& a, const Asked& b) { return a.probe < b.probe; });
+  std::sort(asked.begin(), asked.end(), [](const AskedProbe& a, const AskedProbe& b) { return a.probe < b.probe; });
   return asked;
 }
-
-}  // namespace
 
 float probeWeight(float t) { return t < 1 ? 1 + t * t * (2 * t - 3) : 0.0f; }
 
@@ -134,12 +129,12 @@ ReceiverClusters makeClusters(const Atlas& atlas, std::span<const vec3> probes, 
     c.firstReceiver = static_cast<uint32_t>(range.data() - result.lumelOfReceiver.data());
     c.receivers = static_cast<uint32_t>(range.size());
     if (!wide.empty()) c.wide = static_cast<uint32_t>(std::stable_partition(range.begin(), range.end(), [&](uint32_t l) { return wide[l] != 0; }) - range.begin());
-    std::vector<std::vector<Asked>> asked;
+    std::vector<std::vector<AskedProbe>> asked;
     asked.reserve(range.size());
     for (uint32_t l : range) {
       asked.push_back(askedProbes(atlas.lumels[l].position, probes, params, side));
       c.slots = std::max(c.slots, static_cast<uint32_t>(asked.back().size()));
-      for (const Asked& a : asked.back()) c.probes.push_back(a.probe);
+      for (const AskedProbe& a : asked.back()) c.probes.push_back(a.probe);
     }
     std::sort(c.probes.begin(), c.probes.end());
     c.probes.erase(std::unique(c.probes.begin(), c.probes.end()), c.probes.end());

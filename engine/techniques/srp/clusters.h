@@ -28,6 +28,14 @@ struct ReceiverClusters {
 /// Falloff of a probe's weight with distance over radius: 1 - 3 t^2 + 2 t^3, 0 from 1 on (equation 4.4).
 float probeWeight(float t);
 
+/// A probe that a receiver may ask.
+struct AskedProbe {
+  uint32_t probe;
+  float weight;  ///< w of equation 4.4, above 0
+};
+/// Of the receiver at `at`, by number; `side` as below.
+std::vector<AskedProbe> askedProbes(vec3 at, std::span<const vec3> probes, const SrpParams&, float side);
+
 /// `side`: the longest of the scene's bounds, which params.radius is a share of [m]. `coefficients`: columns a probe. `wide`: which lumels' receivers have more rows than that of
 /// irradiance; empty: none. @throws Error(Cancelled)
 ReceiverClusters makeClusters(const Atlas&, std::span<const vec3> probes, const SrpParams&, float side, uint32_t coefficients, std::span<const uint8_t> wide, Progress&);

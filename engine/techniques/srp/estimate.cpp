@@ -54,6 +54,7 @@ WorkPart surfaceShareWork(double probes, const SrpParams& params, uint32_t coeff
 
 RebuildEstimate estimateTransport(const Device& device, const SceneView& scene, const SrpParams& params, double lumels, Progress& progress) {
   RebuildEstimate estimate;
+  estimate.name = "transport";
   if (scene.atlas->lumels.empty() || scene.probes->count() == 0) return estimate;
   const auto coefficients = static_cast<uint32_t>(shared::shCount(params.sh_order));
   const ReceiverClusters clusters = Precomputation::clustersOf(scene, params, progress);

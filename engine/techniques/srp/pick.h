@@ -5,7 +5,7 @@
 
 namespace hl {
 
-/// The probes that the picked point's receiver asks: what each brings of its irradiance, and how large its transport is.
-PickReport pickReceiver(const SceneView&, Device&, const ReceiverClusters&, std::span<const ClusterTransport>, const SrpRuntime&, const SrpParams&, const PickedPoint&);
+/// The probes that the picked point's receiver asks: what each brings of its irradiance, how large its transport is, and the factors of its weight (probe_factors.h).
+PickReport pickReceiver(const SceneView&, Gpu, const ReceiverClusters&, std::span<const ClusterTransport>, const SrpRuntime&, const SrpParams&, const PickedPoint&);
 
 }  // namespace hl

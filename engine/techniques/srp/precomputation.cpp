@@ -22,9 +22,9 @@ constexpr uint32_t kVersion = 7;
 /// Where what no probe tells is not read elsewhere, whatever a probe tells is better than nothing.
 float blurLimit(const SrpParams& params) { return params.sample_weight == kSampleWeightSurface ? params.blur_limit : 0; }
 
-float rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
-
 }  // namespace
+
+float Precomputation::rayOffset(const SceneView& scene) { return scene.direct.ray_offset * scene.gpuScene.diagonal; }
 
 MemoryLimits memoryLimits(const Device& device, const SceneView& scene) { return {device.maxStorageBufferBytes(), device.isCpu(), scene.pool.threads()}; }
 
@@ -104,7 +104,7 @@ void Precomputation::allocate(const SceneView& scene) {
   near_ = device_.buffer("srp: probes of receivers", sizeof(shared::SrpNear) * m.near);
   rays_ = device_.buffer("srp: rays", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
   hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * m.questions);
-  scales_ = device_.buffer("srp: scales", sizeof(float) * m.questions);
+  rayKinds_ = device_.buffer("srp: kinds of rays", sizeof(uint32_t) * m.questions);
   questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
   shares_ = device_.buffer("srp: shares", sizeof(float) * m.questions);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * m.questions);
@@ -112,6 +112,7 @@ void Precomputation::allocate(const SceneView& scene) {
   surfaces_ = device_.buffer("srp: surfaces that probes see", sizeof(float) * m.surfaces);
   matrix_ = device_.buffer("srp: transport of a cluster", sizeof(float) * m.matrix);
   valid_ = device_.buffer("srp: valid samples", sizeof(float) * m.receivers);
+  tallies_ = device_.buffer("srp: tallies of samples", sizeof(shared::SrpTally) * m.receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * m.strata);
   moments_ = device_.buffer("srp: sums of factors", sizeof(float) * m.moments);
   answered_ = device_.buffer("srp: samples of surfaces", sizeof(float) * m.receivers);
@@ -141,6 +142,7 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
   graph.clear("srp: clear transport", matrix_);
   graph.clear("srp: clear valid samples", valid_);
+  graph.clear("srp: clear tallies of samples", tallies_);
   if (params_.receivers == kReceiversRadiance) graph.clear("srp: clear sums of factors", moments_);
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
@@ -181,18 +183,15 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   if (sample_ == 0) beginCluster(graph);
   const uint32_t samples = std::min(samplesPerUnit(c), static_cast<uint32_t>(params_.receiver_rays) - sample_);
   const uint32_t rays = c.receivers * samples, questions = rays * c.slots;
-  shared::SrpUnit unit{};
+  shared::SrpUnit unit = unitOf(scene_, params_);
   unit.firstReceiver = c.firstReceiver, unit.receivers = c.receivers;
   unit.firstSample = sample_, unit.samples = samples;
   unit.slots = c.slots, unit.columns = static_cast<uint32_t>(c.probes.size()) * coefficients_;
-  unit.seed = scene_.seed, unit.environment = params_.environment_rays != 0 ? 1 : 0;
-  unit.order = params_.sh_order, unit.offset = offset_, unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1;
-  unit.everySample = params_.sample_weight == kSampleWeightValid ? 0 : 1;
-  unit.solidAngle = params_.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.rows = params_.receivers == kReceiversDirectional ? rows_ : 1;
   unit.wide = params_.receivers == kReceiversRadiance ? c.wide : 0;
-  unit.blurLimit = blurLimit(params_), unit.surfaceShare = params_.surface_share ? 1 : 0;
-  unit.reads = reads_, unit.allSamples = static_cast<uint32_t>(params_.receiver_rays), unit.resolution = static_cast<uint32_t>(scene_.atlas->resolution);
+  unit.reads = reads_;
 
+<<<<<<< HEAD
   graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
   scene_.tracer.record(graph, "srp: cast rays", rays_, hits_, rays, Query::Closest);
   graph.compute("srp: ask probes", "srp/ask_probes.comp")
@@ -211,10 +210,16 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("hits", hits_, Access::Read)
       .bind("blocked", blocked_, Access::Read)
       .bind("triangles", triangles_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("questions", questions_, Access::Read)
+      .bind("surfaces", surfaces_, Access::Read)
       .bind("shares", shares_, Access::ReadWrite)
-      .bind("scales", scales_, Access::Write)
+      .bind("rayKinds", rayKinds_, Access::Write)
       .push(unit)
       .dispatchThreads(rays);
+=======
+  recordQuestions(graph, scene_, unit, {points_, rays_, hits_, near_, probes_, triangles_, questions_, shares_, blocked_, scales_});
+>>>>>>> main
   graph.compute("srp: accumulate", "srp/accumulate.comp")
       .bind("rays", rays_, Access::Read)
       .bind("points", points_, Access::Read)
@@ -223,10 +228,10 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
-      .bind("scales", scales_, Access::Read)
-      .bind("surfaces", surfaces_, Access::Read)
+      .bind("rayKinds", rayKinds_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("valid", valid_, Access::ReadWrite)
+      .bind("tallies", tallies_, Access::ReadWrite)
       .push(unit)
       .dispatchThreads(c.receivers * c.slots);
   recordRadiance(graph, unit);
@@ -236,7 +241,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
         .bind("points", points_, Access::Read)
         .bind("triangles", triangles_, Access::Read)
         .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
-        .bind("scales", scales_, Access::Read)
+        .bind("rayKinds", rayKinds_, Access::Read)
         .bind("strata", strata_, Access::ReadWrite)
         .bind("answered", answered_, Access::ReadWrite)
         .push(unit)
@@ -256,6 +261,43 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   ++cluster_;
 }
 
+shared::SrpUnit Precomputation::unitOf(const SceneView& scene, const SrpParams& params) {
+  shared::SrpUnit unit{};
+  unit.seed = scene.seed, unit.environment = params.environment_rays != 0 ? 1 : 0;
+  unit.order = params.sh_order, unit.offset = rayOffset(scene), unit.rows = 1;
+  unit.everySample = params.sample_weight == kSampleWeightValid ? 0 : 1;
+  unit.solidAngle = params.probe_share == kShareSolidAngle ? 1 : 0;
+  unit.blurLimit = blurLimit(params), unit.surfaceShare = params.surface_share ? 1 : 0;
+  unit.allSamples = static_cast<uint32_t>(params.receiver_rays), unit.resolution = static_cast<uint32_t>(scene.atlas->resolution);
+  return unit;
+}
+
+void Precomputation::recordQuestions(FrameGraph& graph, const SceneView& scene, const shared::SrpUnit& unit, const Questions& b) {
+  const uint32_t rays = unit.receivers * unit.samples, questions = rays * unit.slots;
+  graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", b.points, Access::Read).bind("rays", b.rays, Access::Write).push(unit).dispatchThreads(rays);
+  scene.tracer.record(graph, "srp: cast rays", b.rays, b.hits, rays, Query::Closest);
+  graph.compute("srp: ask probes", "srp/ask_probes.comp")
+      .bind("rays", b.rays, Access::Read)
+      .bind("hits", b.hits, Access::Read)
+      .bind("near", b.near, Access::Read)
+      .bind("probes", b.probes, Access::Read)
+      .bind("triangles", b.triangles, Access::Read)
+      .bind("questions", b.questions, Access::Write)
+      .bind("shares", b.shares, Access::Write)
+      .push(unit)
+      .dispatchThreads(questions);
+  scene.tracer.record(graph, "srp: mutual visibility", b.questions, b.blocked, questions, Query::Any);
+  graph.compute("srp: weigh", "srp/weigh.comp")
+      .bind("rays", b.rays, Access::Read)
+      .bind("hits", b.hits, Access::Read)
+      .bind("blocked", b.blocked, Access::Read)
+      .bind("triangles", b.triangles, Access::Read)
+      .bind("shares", b.shares, Access::ReadWrite)
+      .bind("scales", b.scales, Access::Write)
+      .push(unit)
+      .dispatchThreads(rays);
+}
+
 void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& unit) {
   if (unit.wide == 0) return graph.skip("srp: accumulate radiance", "no receiver of the cluster is glossy");
   graph.compute("srp: accumulate radiance", "srp/accumulate_radiance.comp")
@@ -265,8 +307,7 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
-      .bind("scales", scales_, Access::Read)
-      .bind("surfaces", surfaces_, Access::Read)
+      .bind("rayKinds", rayKinds_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("moments", moments_, Access::ReadWrite)
       .push(unit)
@@ -278,10 +319,11 @@ void Precomputation::recordCompression(FrameGraph& graph) {
   graph.host("srp: compress")
       .read(matrix_)
       .read(valid_)
+      .read(tallies_)
       .read(strata_)
       .read(answered_)
       .read(moments_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, tallies = tallies_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
             columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
         if (reads > 0) {
@@ -294,6 +336,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
         const std::span<float> values = memory.span<float>(matrix).first(size_t{matrixRows} * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
         sums.valid.assign(counts.begin(), counts.end());
+        for (const shared::SrpTally& t : memory.span<shared::SrpTally>(tallies).first(receivers)) sums.coarse += t.coarse, sums.scarce += t.scarce;
         if (radiance) {
           const std::span<float> factors = memory.span<float>(moments).first(size_t{wide} * (rows - 1));
           sums.moments.assign(factors.begin(), factors.end());
