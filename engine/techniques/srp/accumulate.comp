@@ -12,7 +12,7 @@ layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x receivers x columns
-layout(scalar) readonly buffer rayKinds_block { uint rayKinds[]; };
+layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) readonly buffer shares_block { float shares[]; };          // weights of answers; 0: none
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
 layout(scalar) buffer tallies_block { SrpTally tallies[]; };
@@ -28,7 +28,7 @@ void main() {
     float count = 0.0;
     SrpTally tally = tallies[receiver];
     for (uint s = 0u; s < unit.samples; ++s) {
-      uint kind = rayKinds[receiver * unit.samples + s];
+      float kind = scales[receiver * unit.samples + s];
       if (kind != kSrpInvalid) count += 1.0;
       if (kind == kSrpCoarse) ++tally.coarse;
       if (kind == kSrpScarce) ++tally.scarce;

@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
-layout(scalar) readonly buffer rayKinds_block { uint rayKinds[]; };
+layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) readonly buffer shares_block { float shares[]; };          // weights of answers; 0: none
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x columns
 layout(scalar) buffer moments_block { float moments[]; };  // wide receivers x rows of radiance: sums of factors alone
@@ -37,7 +37,7 @@ void main() {
     for (uint s = 0u; s < unit.samples; ++s) {
       uint r = receiver * unit.samples + s;
       vec3 own = rays[r].direction;
-      if (unit.everySample != 0u || rayKinds[r] != kSrpInvalid) sum += hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
+      if (unit.everySample != 0u || scales[r] != kSrpInvalid) sum += hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
     }
     moments[at] = sum;
   }

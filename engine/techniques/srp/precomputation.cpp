@@ -104,7 +104,7 @@ void Precomputation::allocate(const SceneView& scene) {
   near_ = device_.buffer("srp: probes of receivers", sizeof(shared::SrpNear) * m.near);
   rays_ = device_.buffer("srp: rays", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
   hits_ = device_.buffer("srp: hits", sizeof(shared::Hit) * m.questions);
-  rayKinds_ = device_.buffer("srp: kinds of rays", sizeof(uint32_t) * m.questions);
+  scales_ = device_.buffer("srp: scales", sizeof(float) * m.questions);
   questions_ = device_.buffer("srp: questions", sizeof(shared::Ray) * m.questions, TexelFormat::RGBA32F);
   shares_ = device_.buffer("srp: shares", sizeof(float) * m.questions);
   blocked_ = device_.buffer("srp: blocked", sizeof(uint32_t) * m.questions);
@@ -191,35 +191,16 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.wide = params_.receivers == kReceiversRadiance ? c.wide : 0;
   unit.reads = reads_;
 
-<<<<<<< HEAD
-  graph.compute("srp: make rays", "srp/make_rays.comp").bind("points", points_, Access::Read).bind("rays", rays_, Access::Write).push(unit).dispatchThreads(rays);
-  scene_.tracer.record(graph, "srp: cast rays", rays_, hits_, rays, Query::Closest);
-  graph.compute("srp: ask probes", "srp/ask_probes.comp")
-      .bind("rays", rays_, Access::Read)
+  recordQuestions(graph, scene_, unit, {points_, rays_, hits_, near_, probes_, triangles_, questions_, shares_, blocked_, scales_});
+  graph.compute("srp: weigh answers", "srp/weigh_answers.comp")
       .bind("hits", hits_, Access::Read)
-      .bind("near", near_, Access::Read)
-      .bind("probes", probes_, Access::Read)
-      .bind("triangles", triangles_, Access::Read)
-      .bind("questions", questions_, Access::Write)
-      .bind("shares", shares_, Access::Write)
-      .push(unit)
-      .dispatchThreads(questions);
-  scene_.tracer.record(graph, "srp: mutual visibility", questions_, blocked_, questions, Query::Any);
-  graph.compute("srp: weigh", "srp/weigh.comp")
-      .bind("rays", rays_, Access::Read)
-      .bind("hits", hits_, Access::Read)
-      .bind("blocked", blocked_, Access::Read)
-      .bind("triangles", triangles_, Access::Read)
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
       .bind("surfaces", surfaces_, Access::Read)
       .bind("shares", shares_, Access::ReadWrite)
-      .bind("rayKinds", rayKinds_, Access::Write)
+      .bind("scales", scales_, Access::ReadWrite)
       .push(unit)
       .dispatchThreads(rays);
-=======
-  recordQuestions(graph, scene_, unit, {points_, rays_, hits_, near_, probes_, triangles_, questions_, shares_, blocked_, scales_});
->>>>>>> main
   graph.compute("srp: accumulate", "srp/accumulate.comp")
       .bind("rays", rays_, Access::Read)
       .bind("points", points_, Access::Read)
@@ -228,7 +209,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
-      .bind("rayKinds", rayKinds_, Access::Read)
+      .bind("scales", scales_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("valid", valid_, Access::ReadWrite)
       .bind("tallies", tallies_, Access::ReadWrite)
@@ -241,7 +222,7 @@ void Precomputation::recordUnit(FrameGraph& graph) {
         .bind("points", points_, Access::Read)
         .bind("triangles", triangles_, Access::Read)
         .bind("lumelOfTexel", lumelOfTexel_, Access::Read)
-        .bind("rayKinds", rayKinds_, Access::Read)
+        .bind("scales", scales_, Access::Read)
         .bind("strata", strata_, Access::ReadWrite)
         .bind("answered", answered_, Access::ReadWrite)
         .push(unit)
@@ -307,7 +288,7 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("near", near_, Access::Read)
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
-      .bind("rayKinds", rayKinds_, Access::Read)
+      .bind("scales", scales_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("moments", moments_, Access::ReadWrite)
       .push(unit)

@@ -1,4 +1,4 @@
-// What one of a receiver's probes says of what one of its rays hit: the kernel that every row of the matrix is a sum of. weigh.comp has left its weight.
+// What one of a receiver's probes says of what one of its rays hit: the kernel that every row of the matrix is a sum of. weigh_answers.comp has left its weight.
 #include "engine/techniques/srp/probe_frame.h"
 #include "shaders/shared/ray.h"
 #include "shaders/shared/spherical_harmonics.h"

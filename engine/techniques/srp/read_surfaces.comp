@@ -13,7 +13,7 @@ layout(scalar) readonly buffer hits_block { Hit hits[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };
 uniform samplerBuffer triangles;
 layout(scalar) readonly buffer lumelOfTexel_block { uint lumelOfTexel[]; };
-layout(scalar) readonly buffer rayKinds_block { uint rayKinds[]; };
+layout(scalar) readonly buffer scales_block { float scales[]; };
 layout(scalar) buffer strata_block { SrpStratum strata[]; };  // reads a receiver
 layout(scalar) buffer answered_block { float answered[]; };   // samples a receiver that no probe sees and that are known all the same
 layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
@@ -25,7 +25,7 @@ void main() {
   float known = 0.0;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    uint kind = rayKinds[r];
+    float kind = scales[r];
     if (kind != kSrpInvalid && kind != kSrpCoarse) continue;
     Hit hit = hits[r];
     if (hit.primitive == kMiss) {

@@ -40,14 +40,13 @@ struct SrpUnit {
 /// A radiance receiver on a glossy surface has its irradiance and coefficients of radiance (hemisphere_basis.h) in that frame.
 HL_CONST uint kSrpDirectionalRows = 4u;
 
-/// What weigh.comp finds of each of a unit's rays.
-HL_CONST uint kSrpInvalid = 0u;    ///< no probe sees what it hit
-HL_CONST uint kSrpDark = 1u;       ///< it hit what reflects nothing: valid, and dark
-HL_CONST uint kSrpCoarse = 2u;     ///< probes see it, and blur too much: valid, and read off the lightmap
-HL_CONST uint kSrpAnswered = 3u;   ///< by probes
-HL_CONST uint kSrpScarce = 4u;     ///< by probes, of which one at least sees so few surfaces there that kSrpLeastSurface holds
+/// A ray's entry in what weigh.comp leaves: 1 / sum of the weights of the probes that see what it hit; or one of these.
+HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
+HL_CONST float kSrpDark = -1.0f;     ///< it hit what reflects nothing: valid, and dark
+HL_CONST float kSrpCoarse = -2.0f;   ///< probes see it, and blur too much: valid, and read off the lightmap
+HL_CONST float kSrpScarce = -3.0f;   ///< after weigh_answers.comp: probes answer, of which one at least sees so few surfaces there that kSrpLeastSurface holds
 
-/// How many of a receiver's samples were so.
+/// How many of a receiver's samples are coarse, and scarce.
 struct SrpTally {
   uint coarse;
   uint scarce;
