@@ -50,7 +50,9 @@ int bench(const GlobalOptions& global, const BenchOptions& o) {
   print(readFile(folder / (global.json ? "results.json" : "report.md")));
   const size_t failed = sweep.results().failed();
   const int code = validationVerdict(global, session.device(), 0);
-  if (failed) throw Error(ErrorKind::Run, fmt::format("{} of {} runs failed; results.csv says why", failed, sweep.results().plan.size()));
+  if (failed)
+    throw Error(sweep.results().failedByInput() ? ErrorKind::BadInput : ErrorKind::Run,
+                fmt::format("{} of {} runs failed, the first: {} (results.csv has each)", failed, sweep.results().plan.size(), sweep.results().firstFailed()->failed));
   return code;
 }
 

@@ -13,10 +13,10 @@ const QString kSnapshot = QStringLiteral("snapshot ");
 
 int snapshotId(const QString& source) { return source.startsWith(kSnapshot) ? source.mid(kSnapshot.size()).toInt() : 0; }
 
-std::string imageName(const QString& source, bool indirect) {
-  if (source == QLatin1String("live")) return indirect ? "indirect_irradiance" : "final";
+std::string imageName(const QString& source, PicturePart part) {
+  if (source == QLatin1String("live")) return part == PicturePart::Indirect ? "indirect_irradiance" : part == PicturePart::Specular ? "specular" : "final";
   const std::string base = source == QLatin1String("matched") ? "reference_matched" : "reference";
-  return indirect ? base + "_indirect" : base;
+  return part == PicturePart::Indirect ? base + "_indirect" : part == PicturePart::Specular ? base + "_specular" : base;
 }
 
 /// Means of whole blocks, for a small picture without noise of its own.
@@ -49,7 +49,10 @@ Compare::Compare(EngineLink& link, Document& document, ImageFeed& feed, QObject*
   worker_.setMaxThreadCount(1);
   connect(&link_, &EngineLink::frameReady, this, &Compare::onFrame);
   connect(&document_, &Document::displayChanged, this, &Compare::update);
-  connect(&snapshots_, &Snapshots::changed, this, [this] { choose(choice_); });  // a source may be gone
+  connect(&snapshots_, &Snapshots::changed, this, [this] {
+    tellParts();
+    choose(choice_);  // a source may be gone
+  });
 }
 
 Compare::~Compare() { worker_.waitForDone(); }
@@ -60,19 +63,34 @@ std::vector<CompareSource> Compare::sources() const {
   return out;
 }
 
+std::vector<Compare::Part> Compare::parts() const {
+  std::vector<Part> out = {{PicturePart::Final, tr("Final picture")}, {PicturePart::Indirect, tr("Indirect irradiance")}};
+  const bool glossy = (frame_ && frame_->features.glossySurfaces) || std::any_of(snapshots_.all().begin(), snapshots_.all().end(), [](const Snapshot& s) { return s.specular != nullptr; });
+  if (glossy) out.push_back({PicturePart::Specular, tr("Specular light")});
+  return out;
+}
+
+/// Another scene may have no glossy surfaces, or be the first that has.
+void Compare::tellParts() {
+  const size_t now = parts().size();
+  if (std::exchange(offered_, now) == now) return;
+  emit partsChanged();
+  choose(choice_);
+}
+
 QString Compare::nameOf(const QString& source) const {
   for (const CompareSource& s : sources())
     if (s.id == source) return s.name;
   return {};
 }
 
-std::shared_ptr<const Image> Compare::image(const QString& source, bool indirect) const {
+std::shared_ptr<const Image> Compare::image(const QString& source, PicturePart part) const {
   if (const int id = snapshotId(source)) {
     const Snapshot* s = snapshots_.find(id);
-    return s ? indirect ? s->indirect : s->final : nullptr;
+    return s ? part == PicturePart::Indirect ? s->indirect : part == PicturePart::Specular ? s->specular : s->final : nullptr;
   }
   if (!frame_) return nullptr;
-  const auto found = frame_->images.find(imageName(source, indirect));
+  const auto found = frame_->images.find(imageName(source, part));
   return found == frame_->images.end() ? nullptr : found->second;
 }
 
@@ -84,26 +102,27 @@ std::shared_ptr<const FrameResult> Compare::frameOf(const QString& source) const
   return frame_;
 }
 
-ErrorContext Compare::errorContext(const QString& a, const QString& b, bool indirect) const {
+ErrorContext Compare::errorContext(const QString& a, const QString& b, PicturePart part) const {
   ErrorContext out;
-  if (const auto frame = frameOf(a)) out.surfaces = frame->surfaces;
+  if (const auto frame = frameOf(a)) out.surfaces = part == PicturePart::Specular ? frame->glossy : frame->surfaces;
   if (!frame_ || snapshotId(b)) return out;
-  const auto found = frame_->references.find(imageName(b, indirect));
+  const auto found = frame_->references.find(imageName(b, part));
   if (found != frame_->references.end()) out.truth = found->second;
   return out;
 }
 
-std::set<std::string> Compare::imagesOf(const std::set<QString>& sources, bool indirect) {
+std::set<std::string> Compare::imagesOf(const std::set<QString>& sources, PicturePart part) {
   std::set<std::string> out;
   for (const QString& s : sources)
-    if (!snapshotId(s)) out.insert(imageName(s, indirect));
+    if (!snapshotId(s)) out.insert(imageName(s, part));
   return out;
 }
 
 void Compare::wantImages() {
   std::set<std::string> names;
-  if (choice_.mode != CompareMode::Off) names = imagesOf({choice_.a, choice_.b}, choice_.indirect);
+  if (choice_.mode != CompareMode::Off) names = imagesOf({choice_.a, choice_.b}, choice_.part);
   if (snapshotWanted_) names.insert({"final", "indirect_irradiance"});
+  if (snapshotWanted_ && frame_ && frame_->features.glossySurfaces) names.insert("specular");
   feed_.want(this, names);
 }
 
@@ -114,6 +133,8 @@ void Compare::choose(const CompareChoice& wanted) {
   next.flickerHz = std::clamp(next.flickerHz, kLeastHz, kMostHz);
   for (QString* source : {&next.a, &next.b})
     if (nameOf(*source).isEmpty()) *source = QStringLiteral("live");
+  const std::vector<Part> offered = parts();
+  if (std::none_of(offered.begin(), offered.end(), [&](const Part& p) { return p.part == next.part; })) next.part = PicturePart::Final;
   const bool another = !(next == choice_);
   choice_ = next;
   wantImages();
@@ -138,7 +159,10 @@ void Compare::takeSnapshot() {
 void Compare::onFrame() {
   frame_ = link_.latest();
   if (!frame_) return;
-  if (snapshotWanted_ && frame_->images.count("final") && frame_->images.count("indirect_irradiance")) {
+  tellParts();
+  // Of glossy scenes what lobes reflect, too: a frame of before it was asked for has not got it.
+  if (snapshotWanted_) wantImages();
+  if (snapshotWanted_ && frame_->images.count("final") && frame_->images.count("indirect_irradiance") && (!frame_->features.glossySurfaces || frame_->images.count("specular"))) {
     snapshotWanted_ = false;
     if (const int id = snapshots_.add(*frame_, {})) {
       startThumbnail(id);
@@ -165,17 +189,18 @@ void Compare::update() {
   }
   ComparisonJob job;
   job.mode = choice_.mode;
-  job.a = image(choice_.a, choice_.indirect);
-  job.b = image(choice_.b, choice_.indirect);
+  job.a = image(choice_.a, choice_.part);
+  job.b = image(choice_.b, choice_.part);
   job.display = document_.preset().display;
   job.gain = static_cast<float>(choice_.gain);
   job.metric = choice_.metric.toStdString();
-  if (job.mode == CompareMode::ErrorMap) job.context = errorContext(choice_.a, choice_.b, choice_.indirect);
+  if (job.mode == CompareMode::ErrorMap) job.context = errorContext(choice_.a, choice_.b, choice_.part);
   if (job.mode == CompareMode::Off || !job.a || !job.b) {
     ComparisonPictures none;
     if (job.mode != CompareMode::Off) {
       const QString missing = !job.a ? choice_.a : choice_.b;
-      none.refused = missing == QLatin1String("live") ? tr("Waiting for the picture") : tr("%1: no picture yet").arg(nameOf(missing));
+      const bool never = choice_.part == PicturePart::Specular && (snapshotId(missing) > 0 || (frame_ && !frame_->features.glossySurfaces));
+      none.refused = never ? tr("%1: its scene has no glossy surfaces").arg(nameOf(missing)) : missing == QLatin1String("live") ? tr("Waiting for the picture") : tr("%1: no picture yet").arg(nameOf(missing));
     }
     const bool same = shown_.mode == job.mode && !shown_.a && pictures_.refused == none.refused;
     shown_ = ComparisonJob{};

@@ -12,10 +12,13 @@
 
 namespace hl::ui {
 
+/// What is compared of a picture.
+enum class PicturePart { Final, Indirect, Specular };  ///< radiance; indirect irradiance; indirect radiance that lobes reflect, of scenes with glossy surfaces
+
 struct CompareChoice {
   CompareMode mode = CompareMode::Off;
   QString a = QStringLiteral("live"), b = QStringLiteral("matched");  ///< ids of Compare::sources()
-  bool indirect = false;  ///< indirect irradiance in place of the final picture
+  PicturePart part = PicturePart::Final;
   double gain = 10;       ///< of the difference, 1 to 10
   QString metric = QStringLiteral("relmse");
   double wipe = 0.5;      ///< where the line is, in shares of what is seen of the picture
@@ -36,7 +39,7 @@ class Compare : public QObject {
 
   Snapshots& snapshots() { return snapshots_; }
   const CompareChoice& choice() const { return choice_; }
-  /// Values out of range are brought into it; a source that is gone becomes "live".
+  /// Values out of range are brought into it; a source that is gone becomes "live", a part that is not offered the final picture.
   void choose(const CompareChoice&);
   void swap();
   /// As soon as a frame has come with its linear pictures.
@@ -44,14 +47,20 @@ class Compare : public QObject {
   /// live, matched, full, and "snapshot N".
   std::vector<CompareSource> sources() const;
   QString nameOf(const QString& source) const;
+  struct Part {
+    PicturePart part;
+    QString name;
+  };
+  /// What can be compared: light by lobes where the scene of the newest frame, or of a snapshot, has glossy surfaces.
+  std::vector<Part> parts() const;
   /// The linear picture of a source as it stands; null where there is none yet. Live and reference ones come only while someone wants them.
-  std::shared_ptr<const Image> image(const QString& source, bool indirect) const;
+  std::shared_ptr<const Image> image(const QString& source, PicturePart) const;
   /// What errors of A against B are measured with.
-  ErrorContext errorContext(const QString& a, const QString& b, bool indirect) const;
+  ErrorContext errorContext(const QString& a, const QString& b, PicturePart) const;
   /// The frame a source belongs to: its preset, errors and times. Of a reference the newest one.
   std::shared_ptr<const FrameResult> frameOf(const QString& source) const;
   /// What image() of these needs from the engine.
-  static std::set<std::string> imagesOf(const std::set<QString>& sources, bool indirect);
+  static std::set<std::string> imagesOf(const std::set<QString>& sources, PicturePart);
 
   const ComparisonPictures& pictures() const { return pictures_; }
   /// What a person should know before believing the comparison; "" nothing.
@@ -59,6 +68,7 @@ class Compare : public QObject {
 
  signals:
   void choiceChanged();
+  void partsChanged();
   void picturesChanged();
   void referenceNeeded();
   void snapshotTaken(int id);
@@ -66,6 +76,7 @@ class Compare : public QObject {
  private:
   void update();
   void wantImages();
+  void tellParts();
   void onFrame();
   void startThumbnail(int id);
   void onDone(const ComparisonJob&, const ComparisonPictures&);
@@ -78,6 +89,7 @@ class Compare : public QObject {
   ComparisonPictures pictures_;
   ComparisonJob shown_;
   std::shared_ptr<const FrameResult> frame_;
+  size_t offered_ = 0;  ///< parts() as it was told last
   bool snapshotWanted_ = false, running_ = false, again_ = false;
   ToneMappedImages toneMapped_;  // of the worker thread
   QThreadPool worker_;

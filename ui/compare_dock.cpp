@@ -40,6 +40,10 @@ ComparePanel::ComparePanel(Compare& compare, Document& document, QWidget* parent
   halves_->addWidget(makeSnapshots(), 1);
   scroll->setWidget(inside);
   connect(&compare_, &Compare::choiceChanged, this, &ComparePanel::readChoice);
+  connect(&compare_, &Compare::partsChanged, this, [this] {
+    readParts();
+    readChoice();
+  });
   connect(&compare_, &Compare::picturesChanged, this, [this] {
     const QString& why = compare_.pictures().refused;
     message_->setText(why.isEmpty() ? compare_.note() : why);
@@ -55,6 +59,7 @@ ComparePanel::ComparePanel(Compare& compare, Document& document, QWidget* parent
       if (list_->item(i)->data(Qt::UserRole).toInt() == id) list_->setCurrentRow(i);
   });
   readSources();
+  readParts();
   readSnapshots();
   readChoice();
   message_->hide();
@@ -97,7 +102,6 @@ QWidget* ComparePanel::makeChoices() {
   grid->addWidget(b_, row, 1);
   grid->addWidget(swapButton, row++, 2);
   component_ = new QComboBox(box);
-  component_->addItems({tr("Final picture"), tr("Indirect irradiance")});
   line(tr("&Of"), component_);
 
   wipe_ = new QSlider(Qt::Horizontal, box);
@@ -208,6 +212,12 @@ void ComparePanel::readSources() {
   }
 }
 
+void ComparePanel::readParts() {
+  const QSignalBlocker block(component_);
+  component_->clear();
+  for (const Compare::Part& p : compare_.parts()) component_->addItem(p.name, static_cast<int>(p.part));
+}
+
 void ComparePanel::readChoice() {
   const CompareChoice& c = compare_.choice();
   const QSignalBlocker blocks[] = {QSignalBlocker(mode_), QSignalBlocker(a_), QSignalBlocker(b_), QSignalBlocker(component_),
@@ -215,7 +225,7 @@ void ComparePanel::readChoice() {
   mode_->setCurrentIndex(mode_->findData(static_cast<int>(c.mode)));
   a_->setCurrentIndex(a_->findData(c.a));
   b_->setCurrentIndex(b_->findData(c.b));
-  component_->setCurrentIndex(c.indirect ? 1 : 0);
+  component_->setCurrentIndex(component_->findData(static_cast<int>(c.part)));
   metric_->setCurrentIndex(std::max(0, metric_->findData(c.metric)));
   wipe_->setValue(static_cast<int>(c.wipe * kWipeSteps + 0.5));
   gain_->setValue(static_cast<int>(c.gain * kGainSteps + 0.5));
@@ -233,7 +243,7 @@ void ComparePanel::changed() {
   c.mode = static_cast<CompareMode>(mode_->currentData().toInt());
   c.a = a_->currentData().toString();
   c.b = b_->currentData().toString();
-  c.indirect = component_->currentIndex() == 1;
+  c.part = static_cast<PicturePart>(component_->currentData().toInt());
   c.metric = metric_->currentData().toString();
   if (sender() == wipe_) c.wipe = static_cast<double>(wipe_->value()) / kWipeSteps;
   if (sender() == gain_) c.gain = static_cast<double>(gain_->value()) / kGainSteps;

@@ -29,6 +29,7 @@ class ComparePanel : public QWidget {
   QWidget* makeSnapshots();
   void readChoice();
   void readSources();
+  void readParts();
   void readSnapshots();
   void showFacts();
   void changed();

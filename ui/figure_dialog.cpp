@@ -41,7 +41,7 @@ FigureDialog::FigureDialog(Compare& compare, Document& document, ImageFeed& feed
   }
   truth_->insertItem(0, tr("nothing"), QString());
   truth_->setCurrentIndex(truth_->findData(QStringLiteral("full")));
-  component_->addItems({tr("Final picture"), tr("Indirect irradiance")});
+  for (const Compare::Part& p : compare_.parts()) component_->addItem(p.name, static_cast<int>(p.part));
   for (const MetricInfo& m : metricInfos()) checkable(metrics_, text(m.label), text(m.id), m.id == "relmse");
   for (const Region& r : document_.regions()) checkable(insets_, QString::fromStdString(r.name), QString::fromStdString(r.name), true);
   pictures_->setToolTip(tr("In this order; a name is its caption: F2 or a double click changes it, and a drag its place"));
@@ -83,24 +83,26 @@ void FigureDialog::wantImages() {
   for (int i = 0; i < pictures_->count(); ++i)
     if (pictures_->item(i)->checkState() == Qt::Checked) sources.insert(pictures_->item(i)->data(Qt::UserRole).toString());
   if (const QString truth = truth_->currentData().toString(); !truth.isEmpty()) sources.insert(truth);
-  feed_.want(this, Compare::imagesOf(sources, component_->currentIndex() == 1));
+  feed_.want(this, Compare::imagesOf(sources, part()));
   if (sources.count(QStringLiteral("matched")) || sources.count(QStringLiteral("full"))) emit compare_.referenceNeeded();
 }
 
+PicturePart FigureDialog::part() const { return static_cast<PicturePart>(component_->currentData().toInt()); }
+
 FigureSheet FigureDialog::figure() const {
   FigureSheet f;
-  const bool indirect = component_->currentIndex() == 1;
+  const PicturePart of = part();
   for (int i = 0; i < pictures_->count(); ++i) {
     const QListWidgetItem* item = pictures_->item(i);
     if (item->checkState() != Qt::Checked) continue;
     const QString id = item->data(Qt::UserRole).toString();
-    f.images.push_back({item->text(), compare_.image(id, indirect), compare_.frameOf(id), compare_.errorContext(id, truth_->currentData().toString(), indirect)});
+    f.images.push_back({item->text(), compare_.image(id, of), compare_.frameOf(id), compare_.errorContext(id, truth_->currentData().toString(), of)});
   }
   f.display = document_.preset().display;
   for (int i = 0; i < metrics_->count(); ++i)
     if (metrics_->item(i)->checkState() == Qt::Checked) f.metrics.push_back(metrics_->item(i)->data(Qt::UserRole).toString().toStdString());
   if (const QString truth = truth_->currentData().toString(); !truth.isEmpty()) {
-    f.truth = compare_.image(truth, indirect);
+    f.truth = compare_.image(truth, of);
     f.truthName = truth_->currentText();
   }
   const std::vector<Region> regions = document_.regions();

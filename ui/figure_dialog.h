@@ -29,6 +29,7 @@ class FigureDialog : public QDialog {
 
  private:
   void wantImages();
+  PicturePart part() const;
   void choosePath();
 
   Compare& compare_;

@@ -21,9 +21,12 @@ namespace hl::ui {
 namespace {
 
 enum Row { Technique, Matched, Full, LessMatched, LessFull, RowCount };
-constexpr int kColumns = 6;  // indirect irradiance, then the final picture, by channel
+constexpr int kParts = 3, kColumns = 3 * kParts;  // indirect irradiance, the final picture, then light by lobes where there is any, by channel
 constexpr int kLargestSide = 8192;
-const std::set<std::string> kImages = {"final", "indirect_irradiance", "reference", "reference_indirect", "reference_matched", "reference_matched_indirect"};
+// By technique and reference.
+constexpr const char* kImages[3][kParts] = {{"indirect_irradiance", "final", "specular"},
+                                            {"reference_matched_indirect", "reference_matched", "reference_matched_specular"},
+                                            {"reference_indirect", "reference", "reference_specular"}};
 
 QString number(float v) { return QString::number(static_cast<double>(v), 'g', 5); }
 
@@ -109,9 +112,10 @@ InspectorPanel::InspectorPanel(EngineLink& link, Document& document, ImageFeed& 
   left->addStretch(1);
   parts_->addLayout(left);
   table_->setVerticalHeaderLabels({tr("Technique"), tr("Matched reference"), tr("Full reference"), tr("minus matched"), tr("minus full")});
-  table_->setHorizontalHeaderLabels({tr("Indirect R"), tr("G"), tr("B"), tr("Final R"), tr("G"), tr("B")});
+  table_->setHorizontalHeaderLabels({tr("Indirect R"), tr("G"), tr("B"), tr("Final R"), tr("G"), tr("B"), tr("Specular R"), tr("G"), tr("B")});
   table_->horizontalHeaderItem(0)->setToolTip(tr("Indirect irradiance, linear"));
   table_->horizontalHeaderItem(3)->setToolTip(tr("Radiance towards the camera, linear"));
+  table_->horizontalHeaderItem(6)->setToolTip(tr("Indirect radiance that the glossy lobe reflects towards the camera, linear"));
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setTabKeyNavigation(false);
@@ -151,10 +155,17 @@ void InspectorPanel::inspect(int x, int y) {
   draw();
 }
 
-void InspectorPanel::wantImages() { feed_.want(this, pixel_ && isVisible() ? kImages : std::set<std::string>()); }
+void InspectorPanel::wantImages() {
+  std::set<std::string> names;
+  for (const auto& row : kImages)
+    for (int part = 0; pixel_ && isVisible() && part < (glossy() ? kParts : kParts - 1); ++part) names.insert(row[part]);
+  feed_.want(this, names);
+}
 
 void InspectorPanel::showFrame(std::shared_ptr<const FrameResult> frame) {
+  const bool before = glossy();
   frame_ = std::move(frame);
+  if (glossy() != before) wantImages();
   if (isVisible()) draw();
 }
 
@@ -171,16 +182,16 @@ void InspectorPanel::hideEvent(QHideEvent* event) {
 
 void InspectorPanel::draw() {
   const QPoint at = pixel_.value_or(QPoint());
-  const char* names[3][2] = {{"indirect_irradiance", "final"}, {"reference_matched_indirect", "reference_matched"}, {"reference_indirect", "reference"}};
-  const Image* images[3][2] = {};
+  const Image* images[3][kParts] = {};
   if (pixel_)
     for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 2; ++c) images[r][c] = imageOf(frame_.get(), names[r][c], at);
+      for (int c = 0; c < kParts; ++c) images[r][c] = imageOf(frame_.get(), kImages[r][c], at);
   const auto put = [&](int row, int column, const QString& text) {
     QTableWidgetItem* item = table_->item(row, column);
     if (item->text() != text) item->setText(text);
   };
   for (int c = 0; c < kColumns; ++c) {
+    table_->setColumnHidden(c, c / 3 == 2 && !glossy());
     const auto value = [&](int row) { return images[row][c / 3] ? std::optional<float>(images[row][c / 3]->pixel(at.x(), at.y())[c % 3]) : std::nullopt; };
     for (int r = 0; r < 3; ++r) put(r, c, value(r) ? number(*value(r)) : QStringLiteral("-"));
     for (const int r : {Matched, Full}) put(r == Matched ? LessMatched : LessFull, c, value(Technique) && value(r) ? number(*value(Technique) - *value(r)) : QStringLiteral("-"));
@@ -210,11 +221,12 @@ QString InspectorPanel::text() const {
   if (!pixel_) return {};
   QStringList lines{tr("Pixel %1, %2").arg(pixel_->x()).arg(pixel_->y())};
   QStringList head{QString()};
-  for (const char* name : {"indirect R", "indirect G", "indirect B", "final R", "final G", "final B"}) head << QString::fromLatin1(name);
+  for (const char* name : {"indirect R", "indirect G", "indirect B", "final R", "final G", "final B", "specular R", "specular G", "specular B"})
+    if (head.size() <= (glossy() ? kColumns : kColumns - 3)) head << QString::fromLatin1(name);
   lines << head.join('\t');
   for (int r = 0; r < RowCount; ++r) {
     QStringList cells{table_->verticalHeaderItem(r)->text()};
-    for (int c = 0; c < kColumns; ++c) cells << table_->item(r, c)->text();
+    for (int c = 0; c < (glossy() ? kColumns : kColumns - 3); ++c) cells << table_->item(r, c)->text();
     lines << cells.join('\t');
   }
   lines << facts_->text();

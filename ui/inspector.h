@@ -55,6 +55,8 @@ class InspectorPanel : public QWidget {
  private:
   void draw();
   void wantImages();
+  /// Whether the scene has glossy surfaces: then what lobes reflect is shown too.
+  bool glossy() const { return frame_ && frame_->features.glossySurfaces; }
 
   EngineLink& link_;
   Document& document_;

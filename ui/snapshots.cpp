@@ -6,7 +6,7 @@ namespace hl::ui {
 
 size_t Snapshot::bytes() const {
   size_t floats = 0;
-  for (const auto& image : {final, indirect})
+  for (const auto& image : {final, indirect, specular})
     if (image) floats += image->data.size();
   return floats * sizeof(float) + static_cast<size_t>(thumbnail.sizeInBytes());
 }
@@ -26,6 +26,7 @@ int Snapshots::add(const FrameResult& frame, const QString& name) {
   Snapshot s;
   s.final = frame.images.at("final");
   s.indirect = frame.images.at("indirect_irradiance");
+  if (frame.features.glossySurfaces) s.specular = frame.images.at("specular");
   if (bytes() + s.bytes() > mostBytes_) {
     const auto mb = [](size_t n) { return static_cast<double>(n) / (1 << 20); };
     emit refused(tr("Snapshots would hold %1 MB; %2 MB is their bound. Delete one first.").arg(mb(bytes() + s.bytes()), 0, 'f', 0).arg(mb(mostBytes_), 0, 'f', 0));

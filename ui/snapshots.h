@@ -14,6 +14,7 @@ struct Snapshot {
   int id = 0;                          ///< of this run of the program; never used again
   QString name;
   std::shared_ptr<const Image> final, indirect;  ///< linear; the second is irradiance
+  std::shared_ptr<const Image> specular;         ///< what lobes reflect of indirect light; null where the scene has no glossy surfaces
   std::shared_ptr<const FrameResult> frame;      ///< its preset, errors, times and provenance; without its pictures
   QImage thumbnail;                    ///< null until it was made
   size_t bytes() const;
@@ -29,7 +30,7 @@ class Snapshots : public QObject {
   const Snapshot* find(int id) const;
   size_t bytes() const;
   size_t mostBytes() const { return mostBytes_; }
-  /// Of a frame that carries "final" and "indirect_irradiance". Its id; 0 where the bound would be passed, which refused() tells.
+  /// Of a frame that carries "final", "indirect_irradiance" and, of a scene with glossy surfaces, "specular". Its id; 0 where the bound would be passed, which refused() tells.
   int add(const FrameResult&, const QString& name);
   void rename(int id, const QString& name);
   void remove(int id);

@@ -209,6 +209,7 @@ void Session::Impl::publishImages(FrameResult& r) {
   }
   keptImages = std::move(kept);
   if (!r.images.empty()) r.surfaces = std::make_shared<const Mask>(surfaceMask());
+  if (std::any_of(r.images.begin(), r.images.end(), [](const auto& image) { return image.first.ends_with("specular"); })) r.glossy = std::make_shared<const Mask>(surfaceImages().glossy());
 }
 
 Image Session::image(const std::string& view) {

@@ -137,6 +137,7 @@ struct FrameResult {
   /// Of these images a reference's, with their halves: errors against them are free of the reference's own variance.
   std::map<std::string, std::shared_ptr<const ReferenceImage>> references;
   std::shared_ptr<const Mask> surfaces;  ///< pixels that see a surface, which errors are means over; null where no image is wanted
+  std::shared_ptr<const Mask> glossy;    ///< those of them that see a glossy surface, where an image of lobes' light is wanted, whose errors are means over these
 };
 
 class Session {

@@ -143,7 +143,7 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
                                  t.receiver == ReceiverNormal::Mapped ? "mapped" : t.receiver == ReceiverNormal::Geometric ? "geometric" : "mapped receivers' and geometric");
   record.provenance = made->provenance;
   results.frame = made;
-  if (made->techniqueFailed) throw Error(ErrorKind::Run, made->message);
+  if (made->techniqueFailed) throw Error(made->failure, made->message);
   if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 
   if (plays) session.reference("image", &p);
@@ -205,6 +205,7 @@ RunRecord measureRun(Session& session, const Experiment& e, const PlannedRun& ru
       session.setWorkPaused(false);
       throw;
     }
+    record.badInput = error.kind() == ErrorKind::BadInput;
     record.overLimit = dynamic_cast<const LimitError*>(&error) != nullptr;
     fail(error.what());
   } catch (const std::bad_alloc&) {

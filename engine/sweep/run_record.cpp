@@ -115,7 +115,7 @@ std::string runRecordJson(const RunRecord& r, const RunResults& results, const P
   w.beginObject();
   w.key("run").beginObject().member("key", r.key).member("seed", r.seed).member("repeat", r.repeat).key("failed");
   r.failed.empty() ? w.null() : w.text(r.failed);
-  w.member("over_limit", r.overLimit).member("technique_ms", r.techniqueMs).member("total_ms", r.totalMs).member("device_bytes", r.deviceBytes);
+  w.member("bad_input", r.badInput).member("over_limit", r.overLimit).member("technique_ms", r.techniqueMs).member("total_ms", r.totalMs).member("device_bytes", r.deviceBytes);
   w.member("technique_bytes", r.techniqueBytes).member("surface_pixels", r.surfacePixels).member("frames", r.frames);
   w.member("seconds", r.seconds).member("transport", r.transport).member("cpu_device", r.cpuDevice).member("host_threads", r.hostThreads).member("copy_gbps", r.copyGbps).key("errors_at").beginArray();
   for (const ErrorAt& at : r.convergence) {
@@ -142,7 +142,7 @@ RunRecord readRunRecord(const std::string& text, const std::string& whereFrom) {
     RunRecord r;
     r.key = run.at("key"), r.seed = run.at("seed"), r.repeat = run.at("repeat");
     if (!run.at("failed").is_null()) r.failed = run.at("failed");
-    r.overLimit = run.value("over_limit", false);
+    r.badInput = run.value("bad_input", false), r.overLimit = run.value("over_limit", false);
     r.techniqueMs = value(run, "technique_ms"), r.totalMs = value(run, "total_ms"), r.seconds = value(run, "seconds");
     r.deviceBytes = run.at("device_bytes"), r.techniqueBytes = run.at("technique_bytes"), r.surfacePixels = run.at("surface_pixels");
     r.frames = run.at("frames"), r.transport = run.at("transport");

@@ -44,6 +44,7 @@ struct RunRecord {
   uint32_t seed = 1;
   int repeat = 0;
   std::string failed;              ///< why there are no numbers, or ""
+  bool badInput = false;           ///< ... and whose fault it is: the experiment's, whose values make no sense together
   bool overLimit = false;          ///< it failed since it took longer than the experiment's limit
   uint32_t frames = 0;             ///< that the picture took
   PassStatistics frameTime;        ///< frames as they are once the work has settled

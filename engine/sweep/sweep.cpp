@@ -63,6 +63,16 @@ size_t SweepResults::failed() const {
   return static_cast<size_t>(std::count_if(runs.begin(), runs.end(), [](const auto& r) { return r && !r->failed.empty(); }));
 }
 
+const RunRecord* SweepResults::firstFailed() const {
+  for (const auto& r : runs)
+    if (r && !r->failed.empty()) return &*r;
+  return nullptr;
+}
+
+bool SweepResults::failedByInput() const {
+  return failed() > 0 && std::all_of(runs.begin(), runs.end(), [](const auto& r) { return !r || r->failed.empty() || r->badInput; });
+}
+
 std::vector<SweepProblem> problemsOf(const std::vector<Configuration>& configurations) {
   std::vector<SweepProblem> out;
   std::map<std::string, size_t> known;

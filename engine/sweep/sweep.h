@@ -53,6 +53,9 @@ struct SweepResults {
 
   size_t done() const;
   size_t failed() const;
+  /// The first run that failed; null: none. And whether the experiment is at fault in all that did.
+  const RunRecord* firstFailed() const;
+  bool failedByInput() const;
   bool complete() const { return done() == plan.size(); }
 };
 

@@ -72,6 +72,55 @@ TEST_F(SrpSurfaces, WhatNoProbeSeesIsReadOffTheLightmap) {
   EXPECT_EQ(light[0], light[1]);
 }
 
+/// With a lumel for each ray, those that the limit took from probes are those that are read besides.
+TEST_F(SrpSurfaces, RaysThatTheBlurLimitSendsToTheLightmapAreCounted) {
+  SrpHarness h(loadScene("cornell_box"));
+  h.set("lightmap.resolution", "32").set("srp.sh_order", "3").set("srp.receiver_rays", "64").set("srp.surface_reads", "64").set("srp.probe_rays", "256").set("probes.spacing", "0.3");
+  double read[3], counted[3];
+  const char* limits[] = {"0", "1", "4"};
+  for (size_t i = 0; i < 3; ++i) {
+    h.set("srp.blur_limit", limits[i]).rebuild();
+    h.work();
+    read[i] = h.counter("lumels_read") / 64, counted[i] = h.counter("blur_limited_samples");
+    std::printf("blur_limit %s: %.4f of the rays are read, %.4f by the limit\n", limits[i], read[i], counted[i]);
+  }
+  EXPECT_EQ(counted[0], 0);
+  EXPECT_GT(counted[1], 0.02);
+  EXPECT_LT(counted[2], 0.8 * counted[1]);
+  EXPECT_GT(counted[2], 0);
+  for (size_t i = 1; i < 3; ++i) EXPECT_NEAR(read[i] - read[0], counted[i], 1e-3) << "but for those where there is no texel";
+}
+
+/// Two small squares that face each other, and a probe between that sees them as 17 % of all there is: all that it says is held at kSrpLeastSurface. Of a receiver's rays that is as many as
+/// meet the other square. Nearer they are more than half of what it sees, and nothing is.
+TEST_F(SrpSurfaces, AnswersThatTheLeastShareHoldsAreCounted) {
+  const auto counted = [&](double distance, const char* share) {
+    const std::string top = std::to_string(distance), middle = std::to_string(distance / 2);
+    SrpHarness h(loadScene(folder.write("squares.json", R"({"version": 1, "lightmap_uvs": true, "shapes": [
+        {"type": "quad", "name": "floor", "material": "grey", "corners": [[-0.3, 0, 0.3], [0.3, 0, 0.3], [0.3, 0, -0.3], [-0.3, 0, -0.3]]},
+        {"type": "quad", "name": "ceiling", "material": "grey", "corners": [[-0.3, )" + top + ", -0.3], [0.3, " + top + ", -0.3], [0.3, " + top + ", 0.3], [-0.3, " + top + R"(, 0.3]]}],
+      "materials": {"grey": {"albedo": 0.5}}, "lights": [{"type": "point", "name": "lamp", "position": [0.05, )" + middle + R"(, 0.2], "intensity": 1}],
+      "probes": [[0, )" + middle + ", 0]]}")));
+    h.set("probes.placement", "manual").set("lightmap.resolution", "32").set("srp.sh_order", "0").set("srp.receiver_rays", "256").set("srp.blur_limit", "0").set("srp.surface_share", share);
+    h.rebuild();
+    h.work();
+    return h.counter("scarce_surface_samples");
+  };
+  // Of parallel squares of side a at distance d (form factor, by quadrature).
+  double factor = 0;
+  constexpr int kSteps = 16;
+  for (int i = 0; i < kSteps * kSteps * kSteps * kSteps; ++i) {
+    const auto at = [&](int digit) { return 0.6 * ((i / static_cast<int>(std::pow(kSteps, digit))) % kSteps + 0.5) / kSteps; };
+    const double x = at(0) - at(1), y = at(2) - at(3), square = x * x + y * y + 1;
+    factor += 1 / (static_cast<double>(kPi) * square * square) * 0.36 / (kSteps * kSteps * kSteps * kSteps);
+  }
+  const double far = counted(1, "true");
+  std::printf("squares 1 m apart: %.4f of the rays are held at the least share, form factor %.4f\n", far, factor);
+  EXPECT_NEAR(far, factor, 0.05 * factor);
+  EXPECT_EQ(counted(1, "false"), 0);
+  EXPECT_EQ(counted(0.3, "true"), 0);
+}
+
 class SrpWork : public SessionTest {};
 
 TEST_F(SrpWork, GoesOnWhereItWasStopped) {

@@ -62,8 +62,8 @@ TEST_P(SurfelFurnace, EmaFollowsTheGeometricSeries) {
   EXPECT_EQ(h.counter("surfel_inf"), 0);
 }
 
-/// Within 1 % of x over the last quarter of twice the frames that an average with a = 0.97 takes to 1 %. (At albedo 0.9 it is there from some 1300 of 3066 on, since a
-/// settled cache casts a quarter of the rays.) One parameter is not the default: 8 pixels are a quarter of so small a picture and would be cut at radius_max, of which
+/// Within 1 % of x over the last quarter of twice the frames that an average with a = 0.97 takes to 1 %. (At albedo 0.9 it is there from some 1750 of 3066 on, since a
+/// settled cache casts rays in one of four frames.) One parameter is not the default: 8 pixels are a quarter of so small a picture and would be cut at radius_max, of which
 /// thousands of surfels cover the walls; in a picture of 360 rows they are a third of the radius here. In this room that makes no difference but the time (albedo 0.5,
 /// radius_max at its default: 1.0005 of x with 4700 surfels, 1.0000 with these 840).
 TEST_P(SurfelFurnace, DefaultsComeToTheClosedFormAndStay) {

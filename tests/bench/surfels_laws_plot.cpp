@@ -31,7 +31,7 @@ Camera inside() {
 /// As the tests of the furnace have it (tests/analytic/surfels_furnace_test.cpp).
 void useEma(SurfelsHarness& h) {
   h.set("surfels.estimator", "ema").set("surfels.hysteresis", std::to_string(kHysteresis)).set("surfels.change_samples", "0").set("surfels.ray_budget", "8");
-  h.set("surfels.max_surfels", "4096").set("surfels.sizing", "world").set("surfels.radius", "0.06").set("surfels.fade_in", "0").set("surfels.settled_rays", "1");
+  h.set("surfels.max_surfels", "4096").set("surfels.sizing", "world").set("surfels.radius", "0.06").set("surfels.fade_in", "0").set("surfels.settled_every", "1");
 }
 
 Curve furnace(const FurnaceRun& f, bool ema) {

@@ -109,6 +109,31 @@ TEST(CliBench, AFailedRunIsRecordedAndTheExitCodeSaysSo) {
   EXPECT_EQ(done, 2u);
 }
 
+/// Values that each are right and make no sense together are known by the technique alone, in the run: bad input all the same, as `render` says of one such preset.
+TEST(CliBench, RunsThatFailByBadInputAreBadInput) {
+  const TemporaryFolder folder;
+  const std::string base = R"({"version": 1, "scene": "point_light_cube", "resolution": [16, 12], "technique": "srp", "parameters": {"srp.sh_order": 8, "lightmap.resolution": 32, "reference.samples": 2, "srp.receiver_rays": 16)";
+  writeText(folder / "preset.json", base + R"(, "srp.probe_rays": 64}})");
+  const CliResult one = runCli({"render", folder / "preset.json"});
+  EXPECT_EQ(one.code, 2) << one.err;
+  const auto bench = [&](const std::string& permute) {
+    writeText(folder / "e.json", R"({"version": 1, "base": )" + base + R"(}}, "permute": )" + permute + R"(, "metrics": ["relmse"], "stop": {"frames": 1}, "images": false})");
+    std::filesystem::remove_all(folder.path() / "out");
+    return runCli({"bench", folder / "e.json", "--out", folder / "out"});
+  };
+  for (const std::string permute : {R"({"srp.probe_rays": [64]})", R"({"srp.probe_rays": [64, 128]})", R"({"probes.placement": ["manual"]})"}) {
+    const CliResult r = bench(permute);
+    EXPECT_EQ(r.code, 2) << permute << r.err;
+    const std::string last = r.err.substr(r.err.rfind("halflight-cli: "));  // after what precomputation says that it takes, on a slow machine
+    EXPECT_EQ(std::count(last.begin(), last.end(), '\n'), 1) << r.err;
+    EXPECT_NE(last.find(permute.find("manual") == std::string::npos ? "srp.probe_rays: 64 rays can't tell" : "has no probes of its own"), std::string::npos) << last;
+    EXPECT_NE(last.find("1 of "), std::string::npos) << last;
+  }
+  const json d = json::parse(contentOf(folder / "out/results.json"));
+  EXPECT_EQ(d.at("runs").at(0).at("state"), "failed");
+  EXPECT_EQ(bench(R"({"srp.probe_rays": [128]})").code, 0);
+}
+
 TEST(CliBench, MistakesAreNamedBeforeADeviceIsTouched) {
   const TemporaryFolder folder;
   writeText(folder / "e.json", kExperiment);

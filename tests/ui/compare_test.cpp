@@ -33,6 +33,18 @@ class CompareTest : public FakeWindowTest {
   Q_OBJECT
 
   uint64_t number_ = 0;
+  bool glossy_ = false;  ///< the scene, and the left half of the picture
+
+  static Mask leftHalf() {
+    Mask mask(static_cast<size_t>(kWidth) * kHeight, 0);
+    for (size_t i = 0; i < mask.size(); ++i) mask[i] = i % kWidth < kWidth / 2;
+    return mask;
+  }
+  QComboBox* parts() {
+    for (QComboBox* box : panel()->findChildren<QComboBox*>())
+      if (box->accessibleName() == "Of") return box;
+    return nullptr;
+  }
 
   Compare& compare() { return window_->compare(); }
   Viewport& viewport() { return window_->viewport(); }
@@ -41,6 +53,8 @@ class CompareTest : public FakeWindowTest {
   /// What the engine would publish: the images that are wanted, of those it has.
   void publish(std::map<std::string, std::shared_ptr<const Image>> images, const Preset* preset = nullptr) {
     auto f = std::make_shared<FrameResult>();
+    f->features.glossySurfaces = glossy_;
+    if (glossy_) f->surfaces = std::make_shared<Mask>(static_cast<size_t>(kWidth) * kHeight, 1), f->glossy = std::make_shared<Mask>(leftHalf());
     f->number = ++number_, f->width = kWidth, f->height = kHeight;
     f->display.resize(static_cast<size_t>(kWidth) * kHeight * 4, 10);
     for (const std::string& name : link_->wanted)
@@ -78,6 +92,7 @@ class CompareTest : public FakeWindowTest {
 
  private slots:
   void init() {
+    glossy_ = false;
     openWindow();
     Preset p;
     p.technique = "none";
@@ -92,7 +107,7 @@ class CompareTest : public FakeWindowTest {
     QCOMPARE(link_->wanted, (std::vector<std::string>{"final", "reference_matched"}));
     QVERIFY(link_->calls.contains("reference on"));
     CompareChoice c = compare().choice();
-    c.indirect = true;
+    c.part = PicturePart::Indirect;
     compare().choose(c);
     QCOMPARE(link_->wanted, (std::vector<std::string>{"indirect_irradiance", "reference_matched_indirect"}));
     choose(CompareMode::Off);
@@ -298,7 +313,7 @@ class CompareTest : public FakeWindowTest {
     QCOMPARE(seen(0.75, 0.5), toneMapped(vec3(0.25f)));
     QVERIFY(compare().note().contains("camera"));
     CompareChoice c = compare().choice();
-    c.indirect = true;
+    c.part = PicturePart::Indirect;
     compare().choose(c);
     publish({{"indirect_irradiance", plain(vec3(0.75f))}});
     QTRY_COMPARE(seen(0.75, 0.5), toneMapped(vec3(0.5f)));
@@ -321,6 +336,57 @@ class CompareTest : public FakeWindowTest {
     press("Delete");
     QCOMPARE(compare().snapshots().all().size(), size_t(0));
     QCOMPARE(compare().choice().b, QString("live"));  // not something that is gone
+  }
+
+  /// Light by lobes is offered where the scene has glossy surfaces, and its errors are means over the pixels that see one.
+  void specularLightIsComparedWhereThereIsAny() {
+    QCOMPARE(parts()->count(), 2);
+    glossy_ = true;
+    publish({});
+    QCOMPARE(parts()->count(), 3);
+    QCOMPARE(parts()->itemText(2), QString("Specular light"));
+    choose(CompareMode::ErrorMap, "live", "matched");
+    parts()->setCurrentIndex(2);
+    emit parts()->activated(2);
+    QVERIFY(compare().choice().part == PicturePart::Specular);
+    QCOMPARE(link_->wanted, (std::vector<std::string>{"reference_matched_specular", "specular"}));
+    auto half = std::make_shared<Image>(*plain(vec3(0.5f)));
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth / 2; ++x)
+        for (int c = 0; c < 3; ++c) half->pixel(x, y)[c] = 0.75f;
+    CompareChoice c = compare().choice();
+    c.metric = "bias";
+    compare().choose(c);
+    publish({{"specular", half}, {"reference_matched_specular", plain(vec3(0.5f))}});
+    QTRY_VERIFY2(compare().pictures().value.contains("0.5"), qPrintable(compare().pictures().value + compare().pictures().refused));  // of the glossy half: half as much again
+
+    // A snapshot keeps it, and goes on offering it beside a scene without.
+    c.mode = CompareMode::Off;
+    compare().choose(c);
+    compare().takeSnapshot();
+    QVERIFY(std::count(link_->wanted.begin(), link_->wanted.end(), "specular"));
+    publish({{"final", plain(vec3(0.25f))}, {"indirect_irradiance", plain(vec3(0.5f))}});
+    QCOMPARE(compare().snapshots().all().size(), size_t(0));  // not without it
+    publish({{"final", plain(vec3(0.25f))}, {"indirect_irradiance", plain(vec3(0.5f))}, {"specular", plain(vec3(0.125f))}});
+    QCOMPARE(compare().snapshots().all().size(), size_t(1));
+    const Snapshot& kept = compare().snapshots().all()[0];
+    QVERIFY(kept.specular && kept.specular->pixel(0, 0)[0] == 0.125f);
+    QCOMPARE(kept.bytes() - static_cast<size_t>(kept.thumbnail.sizeInBytes()), 3 * static_cast<size_t>(kWidth) * kHeight * 3 * sizeof(float));
+    const QString snapshot = "snapshot " + QString::number(kept.id);
+    choose(CompareMode::WipeAcross, snapshot, "live");
+    c = compare().choice();
+    c.part = PicturePart::Specular;
+    compare().choose(c);
+    publish({{"specular", plain(vec3(0.75f))}});
+    QTRY_COMPARE(seen(0.75, 0.5), toneMapped(vec3(0.75f)));
+    QCOMPARE(seen(0.25, 0.5), toneMapped(vec3(0.125f)));
+    glossy_ = false;
+    publish({});
+    QCOMPARE(parts()->count(), 3);
+    QTRY_VERIFY(compare().pictures().refused.contains("no glossy surfaces"));
+    compare().snapshots().remove(kept.id);
+    QCOMPARE(parts()->count(), 2);
+    QVERIFY(compare().choice().part == PicturePart::Final);
   }
 
   void theirMemoryIsBounded() {

@@ -41,11 +41,14 @@ class InspectorTest : public FakeWindowTest {
   InspectorPanel* inspector() { return window_->findChild<InspectorPanel*>(); }
   QString cell(int row, int column) { return inspector()->findChild<QTableWidget*>()->item(row, column)->text(); }
 
+  bool glossy_ = false;
+
   void publish(const std::set<std::string>& missing = {}) {
     auto f = std::make_shared<FrameResult>();
+    f->features.glossySurfaces = glossy_;
     f->number = ++number_, f->width = kWidth, f->height = kHeight;
     f->display.resize(static_cast<size_t>(kWidth) * kHeight * 4, 0);
-    const std::map<std::string, float> blue = {{"final", 0.5f}, {"indirect_irradiance", 2}, {"reference", 0.25f}, {"reference_indirect", 1.5f}, {"reference_matched", 0.75f}, {"reference_matched_indirect", 2.5f}};
+    const std::map<std::string, float> blue = {{"final", 0.5f}, {"indirect_irradiance", 2}, {"reference", 0.25f}, {"reference_indirect", 1.5f}, {"reference_matched", 0.75f}, {"reference_matched_indirect", 2.5f}, {"specular", 3}, {"reference_specular", 2.75f}, {"reference_matched_specular", 4}};
     for (const std::string& name : link_->wanted)
       if (!missing.count(name)) f->images[name] = places(blue.at(name));
     f->scene = scene_;
@@ -71,6 +74,7 @@ class InspectorTest : public FakeWindowTest {
 
  private slots:
   void init() {
+    glossy_ = false;
     scene_ = std::make_shared<Scene>();
     scene_->name = "box", scene_->hash = "1";
     scene_->cameras.resize(1);
@@ -116,6 +120,32 @@ class InspectorTest : public FakeWindowTest {
       if (b->text().contains("text")) b->click();
     const QString text = QApplication::clipboard()->text();
     for (const char* part : {"Pixel 20, 10", "Matched reference", "-0.5", "triangle 17", "texel: (3, 4)"}) QVERIFY2(text.contains(part), qPrintable(text));
+  }
+
+  /// Light by lobes has columns of its own where the scene has glossy surfaces, and is not asked for where it has none.
+  void specularLightIsShownWhereThereIsAny() {
+    QTest::mouseClick(&viewport(), Qt::RightButton, {}, inWidget(20.5, 10.5));
+    publish();
+    auto* table = inspector()->findChild<QTableWidget*>();
+    QVERIFY(table->isColumnHidden(6));
+    QVERIFY(!inspector()->text().contains("specular"));
+    glossy_ = true;
+    publish();
+    QCOMPARE(link_->wanted.size(), size_t(9));
+    publish();
+    QVERIFY(!table->isColumnHidden(6));
+    QCOMPARE(cell(0, 8), QString("3"));       // the technique's
+    QCOMPARE(cell(1, 8), QString("4"));       // matched
+    QCOMPARE(cell(2, 8), QString("2.75"));    // full
+    QCOMPARE(cell(3, 8), QString("-1"));
+    QCOMPARE(cell(4, 8), QString("0.25"));
+    QCOMPARE(cell(0, 5), QString("0.5"));     // final, where it was
+    const QString text = inspector()->text();
+    QVERIFY2(text.contains("specular B") && text.contains("2.75"), qPrintable(text));
+    glossy_ = false;
+    publish();
+    QVERIFY(table->isColumnHidden(6));
+    QCOMPARE(link_->wanted.size(), size_t(6));
   }
 
   void byNumberAndWithoutAReference() {

@@ -202,7 +202,7 @@ class ResponsivenessTest : public QObject {
       ++step;
       CompareChoice c = compare.choice();
       if (step % 3 == 0) c.mode = static_cast<CompareMode>(1 + step / 3 % 6);
-      c.wipe = step % 10 / 10.0, c.gain = 1 + step % 9, c.indirect = step / 18 % 2;
+      c.wipe = step % 10 / 10.0, c.gain = 1 + step % 9, c.part = step / 18 % 2 ? PicturePart::Indirect : PicturePart::Final;
       c.metric = step / 36 % 2 ? "relmse" : "flip";
       compare.choose(c);
       if (step % 17 == 0) compare.takeSnapshot();

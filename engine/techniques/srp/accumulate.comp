@@ -12,7 +12,11 @@ layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x receivers x columns
+layout(scalar) readonly buffer scales_block { float scales[]; };
+layout(scalar) readonly buffer shares_block { float shares[]; };          // weights of answers; 0: none
 layout(scalar) buffer valid_block { float valid[]; };    // samples a receiver that count
+layout(scalar) buffer tallies_block { SrpTally tallies[]; };
+layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -22,9 +26,15 @@ void main() {
   SrpNear n = near[i];
   if (q == 0u) {
     float count = 0.0;
-    for (uint s = 0u; s < unit.samples; ++s)
-      if (scales[receiver * unit.samples + s] != kSrpInvalid) count += 1.0;
+    SrpTally tally = tallies[receiver];
+    for (uint s = 0u; s < unit.samples; ++s) {
+      float kind = scales[receiver * unit.samples + s];
+      if (kind != kSrpInvalid) count += 1.0;
+      if (kind == kSrpCoarse) ++tally.coarse;
+      if (kind == kSrpScarce) ++tally.scarce;
+    }
     valid[receiver] += count;
+    tallies[receiver] = tally;
   }
   if (!(n.weight > 0.0)) return;
   float factors[kSrpDirectionalRows];  ///< of a sample in the receiver's rows
@@ -32,9 +42,10 @@ void main() {
   vec4 toProbe = inverseRotation(probeFrame(unit.seed, n.probe));
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    vec3 local;
-    float w;
-    if (!probeAnswers(r, q, n.probe, toProbe, local, w)) continue;
+    uint question = r * unit.slots + q;
+    float w = shares[question];
+    if (w == 0.0) continue;
+    vec3 local = askedDirection(r, question, toProbe);
     factors[0] = 1.0;
     if (unit.rows > 1u) {
       vec3 more = directionalFactors(rays[r].direction, points[unit.firstReceiver + receiver].geometricNormal, inversesqrt(float(unit.allSamples)));

@@ -12,8 +12,11 @@ layout(local_size_x = 64) in;
 layout(scalar) readonly buffer rays_block { Ray rays[]; };
 layout(scalar) readonly buffer points_block { SurfacePoint points[]; };     // of all receivers
 layout(scalar) readonly buffer near_block { SrpNear near[]; };
+layout(scalar) readonly buffer scales_block { float scales[]; };
+layout(scalar) readonly buffer shares_block { float shares[]; };          // weights of answers; 0: none
 layout(scalar) buffer matrix_block { float matrix[]; };  // rows x columns
 layout(scalar) buffer moments_block { float moments[]; };  // wide receivers x rows of radiance: sums of factors alone
+layout(push_constant, scalar) uniform Constants { SrpUnit unit; };
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -43,9 +46,10 @@ void main() {
   uint base = (unit.receivers + row * unit.wide + receiver) * unit.columns + n.column;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    vec3 local;
-    float w;
-    if (!probeAnswers(r, q, n.probe, toProbe, local, w)) continue;
+    uint question = r * unit.slots + q;
+    float w = shares[question];
+    if (w == 0.0) continue;
+    vec3 local = askedDirection(r, question, toProbe);
     vec3 own = rays[r].direction;
     w *= hemisphereFactor(term, dot(own, t), dot(own, b), dot(own, normal), least);
     for (ShWalk y = shBegin(unit.order, local); !shDone(y); shNext(y)) {

@@ -15,6 +15,7 @@ struct ClusterTransport {
   std::vector<uint32_t> readsOf; ///< one a receiver: how many of `reads` are its own, which follow those of the receivers before it; empty where nothing is read
   std::vector<shared::SrpRead> reads;  ///< lumels that stand for what no probe sees
   uint32_t allRows() const { return receivers + (rows - 1) * wide; }
+  double coarse = 0, scarce = 0;    ///< samples of all its receivers: read off the lightmap since all probes blur them too much; answered by a probe that sees less surface there than kSrpLeastSurface
   double total = 0, discarded = 0;  ///< squared Frobenius norms: of the transport, of what compression left out
 };
 

@@ -33,6 +33,7 @@ ClusterTransport compressCluster(ClusterSums sums, const SrpParams& params, uint
   const auto all = static_cast<float>(params.receiver_rays);
   ClusterTransport t;
   t.receivers = sums.receivers, t.wide = sums.wide, t.rows = sums.rows, t.columns = sums.columns;
+  t.coarse = sums.coarse, t.scarce = sums.scarce;
   std::vector<float>& alpha = sums.matrix;
   const uint32_t rows = t.allRows();
   const size_t strata = sums.receivers > 0 ? sums.strata.size() / sums.receivers : 0;

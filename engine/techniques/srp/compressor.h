@@ -19,6 +19,7 @@ struct ClusterSums {
   std::vector<float> valid;    ///< one a receiver: samples that some probe speaks for, or that are dark
   std::vector<shared::SrpStratum> strata = {};  ///< sample_weight surface: receivers x so many
   std::vector<float> moments = {};              ///< receivers radiance: wide receivers x (rows - 1): sums of factors (hemisphere_basis.h) over those samples that count
+  double coarse = 0, scarce = 0;                ///< ClusterTransport's
   std::vector<float> answered = {};             ///< ... one a receiver: samples that no probe sees and that are known all the same
 };
 

@@ -41,7 +41,7 @@ uint32_t readsOf(const SrpParams& params) {
 
 uint64_t WorkingMemory::bytes() const {
   return sizeof(shared::SurfacePoint) * points + sizeof(vec4) * probes + sizeof(vec2) * slopes + sizeof(float) * (surfaces + matrix + moments + 2 * receivers) +
-         sizeof(shared::SrpNear) * near + sizeof(shared::SrpStratum) * strata + kBytesAQuestion * questions;
+         sizeof(shared::SrpTally) * receivers + sizeof(shared::SrpNear) * near + sizeof(shared::SrpStratum) * strata + kBytesAQuestion * questions;
 }
 
 WorkingMemory planWorkingMemory(const ReceiverClusters& clusters, const SrpParams& params, uint64_t probes, const MemoryLimits& limits) {

@@ -112,6 +112,7 @@ void Precomputation::allocate(const SceneView& scene) {
   surfaces_ = device_.buffer("srp: surfaces that probes see", sizeof(float) * m.surfaces);
   matrix_ = device_.buffer("srp: transport of a cluster", sizeof(float) * m.matrix);
   valid_ = device_.buffer("srp: valid samples", sizeof(float) * m.receivers);
+  tallies_ = device_.buffer("srp: tallies of samples", sizeof(shared::SrpTally) * m.receivers);
   strata_ = device_.buffer("srp: surfaces to read", sizeof(shared::SrpStratum) * m.strata);
   moments_ = device_.buffer("srp: sums of factors", sizeof(float) * m.moments);
   answered_ = device_.buffer("srp: samples of surfaces", sizeof(float) * m.receivers);
@@ -141,6 +142,7 @@ void Precomputation::beginCluster(FrameGraph& graph) {
   device_.upload(near_, c.near.data(), c.near.size() * sizeof(shared::SrpNear));
   graph.clear("srp: clear transport", matrix_);
   graph.clear("srp: clear valid samples", valid_);
+  graph.clear("srp: clear tallies of samples", tallies_);
   if (params_.receivers == kReceiversRadiance) graph.clear("srp: clear sums of factors", moments_);
   if (reads_ > 0) graph.clear("srp: clear surfaces to read", strata_), graph.clear("srp: clear samples of surfaces", answered_);
 }
@@ -190,6 +192,15 @@ void Precomputation::recordUnit(FrameGraph& graph) {
   unit.reads = reads_;
 
   recordQuestions(graph, scene_, unit, {points_, rays_, hits_, near_, probes_, triangles_, questions_, shares_, blocked_, scales_});
+  graph.compute("srp: weigh answers", "srp/weigh_answers.comp")
+      .bind("hits", hits_, Access::Read)
+      .bind("near", near_, Access::Read)
+      .bind("questions", questions_, Access::Read)
+      .bind("surfaces", surfaces_, Access::Read)
+      .bind("shares", shares_, Access::ReadWrite)
+      .bind("scales", scales_, Access::ReadWrite)
+      .push(unit)
+      .dispatchThreads(rays);
   graph.compute("srp: accumulate", "srp/accumulate.comp")
       .bind("rays", rays_, Access::Read)
       .bind("points", points_, Access::Read)
@@ -199,9 +210,9 @@ void Precomputation::recordUnit(FrameGraph& graph) {
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
-      .bind("surfaces", surfaces_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("valid", valid_, Access::ReadWrite)
+      .bind("tallies", tallies_, Access::ReadWrite)
       .push(unit)
       .dispatchThreads(c.receivers * c.slots);
   recordRadiance(graph, unit);
@@ -278,7 +289,6 @@ void Precomputation::recordRadiance(FrameGraph& graph, const shared::SrpUnit& un
       .bind("questions", questions_, Access::Read)
       .bind("shares", shares_, Access::Read)
       .bind("scales", scales_, Access::Read)
-      .bind("surfaces", surfaces_, Access::Read)
       .bind("matrix", matrix_, Access::ReadWrite)
       .bind("moments", moments_, Access::ReadWrite)
       .push(unit)
@@ -290,10 +300,11 @@ void Precomputation::recordCompression(FrameGraph& graph) {
   graph.host("srp: compress")
       .read(matrix_)
       .read(valid_)
+      .read(tallies_)
       .read(strata_)
       .read(answered_)
       .read(moments_)
-      .run([compressor = compressor_, matrix = matrix_, valid = valid_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
+      .run([compressor = compressor_, matrix = matrix_, valid = valid_, tallies = tallies_, strata = strata_, answered = answered_, moments = moments_, radiance = params_.receivers == kReceiversRadiance, receivers = c.receivers, wide = c.wide, matrixRows = allRows(c, params_), rows = rows_,
             columns = static_cast<uint32_t>(c.probes.size()) * coefficients_, coefficients = coefficients_, reads = reads_](HostAccess& memory) {
         ClusterSums sums;
         if (reads > 0) {
@@ -306,6 +317,7 @@ void Precomputation::recordCompression(FrameGraph& graph) {
         const std::span<float> values = memory.span<float>(matrix).first(size_t{matrixRows} * columns), counts = memory.span<float>(valid).first(receivers);
         sums.matrix.assign(values.begin(), values.end());
         sums.valid.assign(counts.begin(), counts.end());
+        for (const shared::SrpTally& t : memory.span<shared::SrpTally>(tallies).first(receivers)) sums.coarse += t.coarse, sums.scarce += t.scarce;
         if (radiance) {
           const std::span<float> factors = memory.span<float>(moments).first(size_t{wide} * (rows - 1));
           sums.moments.assign(factors.begin(), factors.end());

@@ -70,7 +70,7 @@ class Precomputation {
   /// All of WorkingMemory.
   template <class Self, class Each>
   static void forWorkingBuffers(Self& self, const Each& each) {
-    for (auto* b : {&self.points_, &self.probes_, &self.near_, &self.rays_, &self.hits_, &self.questions_, &self.shares_, &self.blocked_, &self.scales_, &self.matrix_, &self.valid_, &self.strata_,
+    for (auto* b : {&self.points_, &self.probes_, &self.near_, &self.rays_, &self.hits_, &self.questions_, &self.shares_, &self.blocked_, &self.scales_, &self.matrix_, &self.valid_, &self.tallies_, &self.strata_,
                     &self.answered_, &self.directional_, &self.surfaces_, &self.moments_})
       each(*b);
   }
@@ -80,7 +80,7 @@ class Precomputation {
   SrpParams params_;
   ReceiverClusters clusters_;
   std::shared_ptr<Compressor> compressor_;
-  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, strata_, answered_, directional_, surfaces_, moments_;
+  Buffer triangles_, lumelOfTexel_, points_, probes_, near_, rays_, hits_, questions_, shares_, blocked_, scales_, matrix_, valid_, tallies_, strata_, answered_, directional_, surfaces_, moments_;
   const ProbeSamples* samples_;   ///< null: not asked
   uint32_t probesShared_ = 0;     ///< whose share of surfaces is known
   uint32_t reads_ = 0;            ///< strata a receiver; 0: surfaces are not read

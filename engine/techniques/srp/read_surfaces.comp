@@ -25,7 +25,8 @@ void main() {
   float known = 0.0;
   for (uint s = 0u; s < unit.samples; ++s) {
     uint r = receiver * unit.samples + s;
-    if (scales[r] != kSrpInvalid && scales[r] != kSrpCoarse) continue;
+    float kind = scales[r];
+    if (kind != kSrpInvalid && kind != kSrpCoarse) continue;
     Hit hit = hits[r];
     if (hit.primitive == kMiss) {
       if (unit.environment != 0u) known += 1.0;
@@ -35,10 +36,10 @@ void main() {
     vec4 second = texelFetch(triangles, int(2u * hit.primitive + 1u));
     uint code = codeOfLumel(lumelOfTexel[texelHit(first, second, hit.u, hit.v, unit.resolution)]);
     if (code == kCodeNoTexel) {
-      if (scales[r] == kSrpCoarse) known -= 1.0;  // counted with those that are answered (accumulate.comp): it is not
+      if (kind == kSrpCoarse) known -= 1.0;  // counted with those that are answered (accumulate.comp): it is not
       continue;
     }
-    if (scales[r] == kSrpInvalid) known += 1.0;
+    if (kind == kSrpInvalid) known += 1.0;
     uint sampleIndex = unit.firstSample + s;
     uint stratum = receiver * unit.reads + sampleIndex * unit.reads / unit.allSamples;
     uint count = strata[stratum].count + 1u;

@@ -215,6 +215,8 @@ class Srp final : public Technique {
         {"invalid_receivers", s.invalid},
         {"valid_samples", clusters.receivers() > 0 ? s.valid / clusters.receivers() : 0},
         {"lumels_read", clusters.receivers() > 0 ? s.reads / clusters.receivers() : 0},
+        {"blur_limited_samples", s.samples > 0 ? s.coarse / s.samples : 0},
+        {"scarce_surface_samples", s.samples > 0 ? s.scarce / s.samples : 0},
         {"most_columns", s.mostColumns},
         {"light_vectors", s.vectors},
         {"uncompressed_bytes", s.numbers * number},
@@ -267,7 +269,7 @@ class Srp final : public Technique {
   struct Summary {
     size_t clusters = 0;
     float leastValid = 0;
-    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, basis = 0, weights = 0, wide = 0, radianceWeights = 0;  ///< numbers: of the matrices, uncompressed
+    double numbers = 0, total = 0, discarded = 0, invalid = 0, valid = 0, vectors = 0, mostColumns = 0, reads = 0, samples = 0, coarse = 0, scarce = 0, basis = 0, weights = 0, wide = 0, radianceWeights = 0;  ///< numbers: of the matrices, uncompressed
   };
   const Summary& summary() const {
     const std::vector<ClusterTransport>& transport = precomputation_->transport();
@@ -279,6 +281,7 @@ class Srp final : public Technique {
       s.wide += t.wide;
       if (params_.receivers == kReceiversRadiance) s.radianceWeights += static_cast<double>(t.wide) * (t.rows - 1) * t.rank;
       s.reads += static_cast<double>(t.reads.size());
+      s.samples += static_cast<double>(t.receivers) * params_.receiver_rays, s.coarse += t.coarse, s.scarce += t.scarce;
       s.total += t.total, s.discarded += t.discarded;
       s.basis += static_cast<double>(t.basis.size()), s.weights += static_cast<double>(t.weights.size());
       s.vectors += t.rank, s.mostColumns = std::max(s.mostColumns, static_cast<double>(t.columns));

@@ -21,7 +21,7 @@ namespace hl {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kMagic = "halflight transport 4\n";
+constexpr std::string_view kMagic = "halflight transport 5\n";
 
 std::string header(const std::string& key) { return std::string(kMagic) + key + "\n"; }
 
@@ -29,7 +29,7 @@ std::string encode(const ClusterTransport& c) {
   ByteWriter w;
   w.value(c.receivers), w.value(c.wide), w.value(c.rows), w.value(c.columns), w.value(c.rank);
   w.array(c.basis), w.array(c.weights), w.array(c.valid), w.array(c.readsOf), w.array(c.reads);
-  w.value(c.total), w.value(c.discarded);
+  w.value(c.coarse), w.value(c.scarce), w.value(c.total), w.value(c.discarded);
   return w.take();
 }
 
@@ -38,7 +38,7 @@ ClusterTransport decode(std::string_view bytes) {
   ClusterTransport c;
   c.receivers = r.value<uint32_t>(), c.wide = r.value<uint32_t>(), c.rows = r.value<uint32_t>(), c.columns = r.value<uint32_t>(), c.rank = r.value<uint32_t>();
   r.array(c.basis), r.array(c.weights), r.array(c.valid), r.array(c.readsOf), r.array(c.reads);
-  c.total = r.value<double>(), c.discarded = r.value<double>();
+  c.coarse = r.value<double>(), c.scarce = r.value<double>(), c.total = r.value<double>(), c.discarded = r.value<double>();
   uint64_t reads = 0;
   for (uint32_t n : c.readsOf) reads += n;
   const uint64_t basis = c.basis.empty() ? 0 : uint64_t{c.rank} * c.columns;

@@ -44,6 +44,13 @@ HL_CONST uint kSrpDirectionalRows = 4u;
 HL_CONST float kSrpInvalid = 0.0f;   ///< no probe does
 HL_CONST float kSrpDark = -1.0f;     ///< it hit what reflects nothing: valid, and dark
 HL_CONST float kSrpCoarse = -2.0f;   ///< probes see it, and blur too much: valid, and read off the lightmap
+HL_CONST float kSrpScarce = -3.0f;   ///< after weigh_answers.comp: probes answer, of which one at least sees so few surfaces there that kSrpLeastSurface holds
+
+/// How many of a receiver's samples are coarse, and scarce.
+struct SrpTally {
+  uint coarse;
+  uint scarce;
+};
 
 /// What a probe says is divided by the share of surfaces round there, but by no less than this: there hardly any is, and rays hit little of it.
 HL_CONST float kSrpLeastSurface = 0.25f;
