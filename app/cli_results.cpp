@@ -30,7 +30,7 @@ std::string passLine(const PassStatistics& p) {
   if (!p.skipped.empty() && !(p.medianMs > 0)) return fmt::format("  {:<40} skipped: {}\n", p.name, p.skipped);
   if (!(p.medianMs > 0)) return fmt::format("  {:<40} {:<4} not measured\n", p.name, p.where);
   return fmt::format("  {:<40} {:<4} {:9.3f} {:9.3f} {:9.3f}{}\n", p.name, p.where, p.medianMs, p.p5Ms, p.p95Ms,
-                     !p.skipped.empty() ? fmt::format("  (now skipped: {})", p.skipped) : p.share < 0.995 ? fmt::format("  (in {:.0f} % of frames)", 100 * p.share) : "");
+                     p.share > 0 && p.share < 0.995 ? fmt::format("  (in {:.0f} % of frames)", 100 * p.share) : p.skipped.empty() ? "" : fmt::format("  (now skipped: {})", p.skipped));
 }
 
 }  // namespace

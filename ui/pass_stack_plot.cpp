@@ -41,8 +41,8 @@ const std::vector<PassSummary>& PassStackPlot::passesOf(size_t configuration) co
 double PassStackPlot::timeOf(size_t configuration, const std::string& pass) const {
   double sum = 0;
   for (const PassSummary& p : passesOf(configuration)) {
-    if (p.name == pass) return p.ms.median;
-    sum += p.ms.median;
+    if (p.name == pass) return p.share * p.ms.median;
+    sum += p.share * p.ms.median;
   }
   return pass == kRest ? std::max(0.0, view_->summary.configurations[configuration].frameMs.median - sum) : 0;
 }

@@ -32,7 +32,7 @@ QVariant PassModel::data(const QModelIndex& i, int role) const {
   if (!i.isValid() || static_cast<size_t>(i.row()) >= rows_.size()) return {};
   const Row& row = rows_[static_cast<size_t>(i.row())];
   const PassStatistics& p = row.pass;
-  const bool skipped = !p.skipped.empty();
+  const bool skipped = !p.skipped.empty() && !(p.share > 0);  // what runs in some frames only shows what it takes then
   const auto ms = [&](double v) { return skipped ? QString() : QString::number(v, 'f', 3); };
   if (role == Qt::DisplayRole) switch (i.column()) {
       case Name: return row.total ? tr("whole frame") : QString::fromStdString(p.name);

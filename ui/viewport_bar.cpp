@@ -135,7 +135,7 @@ void ViewportBar::addTool(QAction* action) {
 }
 
 void ViewportBar::showFrame(const FrameResult& f) {
-  const QString ms = QString::number(f.frameTime.medianMs, 'f', 1);
+  const QString ms = QString::number(f.frameTime.meanMs, 'f', 1);
   QString warning;
   for (const auto& [name, count] : f.counters)
     if (count > 0 && (name == "nan_inf" || name == "negative")) warning = tr("%1 %2 pixels!   ").arg(count, 0, 'f', 0).arg(name == "negative" ? tr("negative") : tr("NaN or Inf")) + warning;

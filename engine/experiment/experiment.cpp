@@ -116,9 +116,13 @@ std::vector<size_t> counterpartsOf(const Experiment& e, const std::vector<Config
   for (size_t i = 0; i < configurations.size(); ++i) {
     Configuration other = configurations[i];
     std::string wanted;
+    // The technique first: what follows is read as its own.
+    for (const bool technique : {true, false})
+      for (const auto& [key, value] : e.compareWith) {
+        const PermuteAxis axis{key, {value}};
+        if ((key == "technique") == technique && appliesTo(axis, other.preset.technique)) apply(other, axis, value);
+      }
     for (const auto& [key, value] : e.compareWith) {
-      const PermuteAxis axis{key, {value}};
-      if (appliesTo(axis, other.preset.technique)) apply(other, axis, value);
       wanted += fmt::format("{}{} {}", wanted.empty() ? "" : ", ", key, value);
     }
     const auto found = places.find(presetHash(other.preset));

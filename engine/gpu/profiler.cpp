@@ -57,9 +57,13 @@ void Profiler::add(const BatchTimings& batch) {
   }
   // What runs in some frames only keeps its place among the others.
   for (size_t i = 0; i < before.size(); ++i) {
-    if (find(before[i].name) != order_.end() || !(share(before[i].name) > 0)) continue;
-    auto at = i > 0 ? find(before[i - 1].name) : order_.end();
-    at = at == order_.end() ? order_.begin() : at + 1;
+    if (find(before[i].name) != order_.end() || inWindow(before[i].name).ran == 0) continue;
+    auto at = order_.begin();
+    for (size_t k = i; k-- > 0;)
+      if (const auto ahead = find(before[k].name); ahead != order_.end()) {
+        at = ahead + 1;
+        break;
+      }
     order_.insert(at, {before[i].name, before[i].host, 0, 0, "not in the latest frame"});
   }
   bool warmUp = false;
@@ -84,6 +88,14 @@ void Profiler::add(const BatchTimings& batch) {
   if (unaccounted_.size() > window_) unaccounted_.pop_front();
 }
 
+void Profiler::forgetTimes() {
+  history_.clear();
+  ran_.clear();
+  wall_.clear();
+  unaccounted_.clear();
+  for (auto& [pass, first] : warm_) first = frames_ + 1;
+}
+
 void Profiler::clear() {
   frames_ = 0;
   order_.clear();
@@ -95,12 +107,16 @@ void Profiler::clear() {
   unaccounted_.clear();
 }
 
-double Profiler::share(const std::string& pass) const {
+Profiler::InWindow Profiler::inWindow(const std::string& pass) const {
   const auto ran = ran_.find(pass);
-  if (ran == ran_.end()) return 0;
+  if (ran == ran_.end()) return {};
   const uint64_t begin = std::max(warm_.at(pass), frames_ >= window_ ? frames_ - window_ + 1 : 1);
-  const auto within = std::count_if(ran->second.begin(), ran->second.end(), [&](uint64_t frame) { return frame >= begin; });
-  return frames_ < begin ? 0 : static_cast<double>(within) / static_cast<double>(frames_ - begin + 1);
+  if (frames_ < begin) return {};
+  InWindow w;
+  w.frames = frames_ - begin + 1;
+  const std::deque<double>& ms = history_.at(pass);
+  for (size_t i = ran->second.size(); i-- > 0 && ran->second[i] >= begin;) ++w.ran, w.ms += ms[i];
+  return w;
 }
 
 std::vector<PassStatistics> Profiler::passes() const {
@@ -110,7 +126,9 @@ std::vector<PassStatistics> Profiler::passes() const {
     PassStatistics s = statistics(timing.name, timing.host ? "host" : "gpu",
                                   samples == history_.end() ? std::deque<double>() : samples->second);
     s.skipped = timing.skipped;
-    s.share = share(timing.name);
+    const InWindow w = inWindow(timing.name);
+    s.share = w.frames > 0 ? static_cast<double>(w.ran) / static_cast<double>(w.frames) : 0;
+    s.frameMs = w.frames > 0 ? w.ms / static_cast<double>(w.frames) : 0;
     all.push_back(std::move(s));
   }
   return all;

@@ -27,9 +27,11 @@ struct BatchTimings {
 
 struct PassStatistics {
   std::string name, where;  ///< "gpu" or "host"
-  double medianMs = 0, p5Ms = 0, p95Ms = 0, meanMs = 0, lastMs = 0;  ///< over the frames in which it ran
-  double share = 1;  ///< of the latest frames (the profiler's window, less its warm-up), those in which it ran
+  double medianMs = 0, p5Ms = 0, p95Ms = 0, lastMs = 0;  ///< over the latest frames in which it ran, as many as the profiler's window
   std::string skipped;
+  double meanMs = 0;  ///< over the same
+  double share = 1;   ///< of the window's frames, less warm-up, those in which it ran
+  double frameMs = 0; ///< its time in the window's frames over their number: what it costs a frame on average
 };
 
 /// Keeps the last `window` frames; order of passes is that of the newest frame, and what ran in the window's other frames only stands where it stood there.
@@ -39,13 +41,20 @@ class Profiler {
   explicit Profiler(size_t window = 120) : window_(window) {}
   void add(const BatchTimings&);
   void clear();
+  /// Forgets the times so far, and not what has run already: the next frame counts.
+  void forgetTimes();
   std::vector<PassStatistics> passes() const;
   PassStatistics frame() const;  ///< wall time of whole batches, named "frame"
   double unaccounted() const;    ///< median of BatchTimings::unaccounted over the frames kept
   uint64_t frames() const { return frames_; }
 
  private:
-  double share(const std::string& pass) const;
+  /// How many of the window's frames count for a pass, in how many of them it ran, and its time in these [ms].
+  struct InWindow {
+    uint64_t frames = 0, ran = 0;
+    double ms = 0;
+  };
+  InWindow inWindow(const std::string& pass) const;
   size_t window_;
   uint64_t frames_ = 0;
   std::vector<PassTiming> order_;

@@ -426,6 +426,8 @@ void Session::setProbes(const std::optional<std::vector<vec3>>& probes) {
 }
 
 void Session::setWorkPaused(bool paused) { impl_->workPaused = paused; }
+
+void Session::forgetTimes() { impl_->frameProfiler.forgetTimes(); }
 void Session::cancelWork() {
   impl_->workStopped = true;
   impl_->referenceStopped = true;

@@ -54,6 +54,8 @@ std::string secondsText(double s) {
   return s < 5400 ? fmt::format("about {:.0f} min", s / 60) : fmt::format("about {:.1f} h", s / 3600);
 }
 
+std::string bytesText(double bytes) { return bytes < 1e9 ? fmt::format("{:.3g} MB", bytes / 1e6) : fmt::format("{:.3g} GB", bytes / 1e9); }
+
 }  // namespace
 
 std::string forecastText(const RebuildForecast& f) {
@@ -64,10 +66,10 @@ std::string forecastText(const RebuildForecast& f) {
   text += f.work.atMost && f.seconds >= kWorthSaying ? "at most " + secondsText(f.seconds) : secondsText(f.seconds);
   if (f.basis == ForecastBasis::OtherScene) text += " (by another scene's speed)";
   if (f.basis == ForecastBasis::Calibrated) text += " (roughly: no such work was done here yet)";
-  text += fmt::format("; {} rays, {:.3g} MB", amountText(f.work.rays), f.work.bytes / 1e6);
-  if (f.work.bytesOfFrames > 0) text += fmt::format(" and {:.3g} MB for its frames", f.work.bytesOfFrames / 1e6);
-  if (f.work.bytesMore > 0) text += fmt::format(" and at most {:.3g} MB more", f.work.bytesMore / 1e6);
-  if (f.work.bytesBefore > 0) text += fmt::format(", {:.3g} MB before compression", f.work.bytesBefore / 1e6);
+  text += fmt::format("; {} rays, {}", amountText(f.work.rays), bytesText(f.work.bytes));
+  if (f.work.bytesOfFrames > 0) text += fmt::format(" and {} for its frames", bytesText(f.work.bytesOfFrames));
+  if (f.work.bytesMore > 0) text += fmt::format(" and at most {} more", bytesText(f.work.bytesMore));
+  if (f.work.bytesBefore > 0) text += fmt::format(", {} before compression", bytesText(f.work.bytesBefore));
   return warnings.empty() ? text : text + "; " + warnings;
 }
 

@@ -39,6 +39,7 @@ void writePass(JsonWriter& w, const PassStatistics& p, const char* during, const
       .member("p95_ms", measured(p.p95Ms, p.medianMs))
       .member("mean_ms", measured(p.meanMs, p.medianMs))
       .member("share_of_frames", p.share)
+      .member("frame_ms", measured(p.frameMs, p.medianMs))
       .key("skipped");
   p.skipped.empty() ? w.null() : w.text(p.skipped);
   for (const MemoryItem& m : moved)

@@ -180,6 +180,7 @@ class Session {
   /// Manual probes, in place of the scene's (none: those). @throws Error(BadInput) as checkProbes.
   void setProbes(const std::optional<std::vector<vec3>>&);
   void setWorkPaused(bool);
+  void forgetTimes();  ///< of frames so far: statistics begin with the next one
   void cancelWork();                        ///< stops the bake or reference that runs; frames go on with what is there
   void restartWork();
   ReloadReport reloadShaders();

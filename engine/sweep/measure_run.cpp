@@ -17,7 +17,7 @@ namespace hl {
 namespace {
 
 // Frames that are timed after the picture is made, at least and at most, and how long at most (MEASURES.md section 4).
-constexpr int kLeastTimedFrames = 5, kTimedFrames = 30;
+constexpr int kLeastTimedFrames = 8, kTimedFrames = 32;
 constexpr double kTimingBudgetMs = 2000;
 // How often the clock is looked at where a run is limited. By the clock it also measures and times frames: what that may take, of the limit and besides.
 constexpr int kLimitPollMs = 5;
@@ -98,6 +98,7 @@ FramePointer runWithin(Session& session, const Experiment& e, const std::vector<
 /// More frames of what is there, for their times alone.
 FramePointer timeFrames(Session& session, Progress& p) {
   session.setWorkPaused(true);
+  session.forgetTimes();  // of a cache that has settled in the meantime, say
   FramePointer f;
   const double start = nowMs();
   for (int i = 0; i < kTimedFrames && (i < kLeastTimedFrames || nowMs() - start < kTimingBudgetMs); ++i) {
@@ -108,11 +109,11 @@ FramePointer timeFrames(Session& session, Progress& p) {
   return f;
 }
 
-/// Of a frame on average: what runs in one of n frames counts an n-th.
+/// Of a frame on average, whatever runs in some frames only.
 double ownPasses(const FrameResult& f) {
   double sum = 0;
   for (const PassStatistics& pass : f.passes)
-    if (pass.name.starts_with(f.preset.technique + ":")) sum += pass.share * pass.medianMs;
+    if (pass.name.starts_with(f.preset.technique + ":")) sum += pass.frameMs;
   return sum;
 }
 
@@ -143,6 +144,8 @@ void measure(Session& session, const Experiment& e, const PlannedRun& run, const
                                  t.receiver == ReceiverNormal::Mapped ? "mapped" : t.receiver == ReceiverNormal::Geometric ? "geometric" : "mapped receivers' and geometric");
   record.provenance = made->provenance;
   results.frame = made;
+  // What the clock has ended within a frame is no cancelling of the sweep.
+  if (made->techniqueFailed && made->failure == ErrorKind::Cancelled && !p.cancelled()) throw LimitError(made->message);
   if (made->techniqueFailed) throw Error(made->failure, made->message);
   if (e.limitMs > 0 && record.totalMs > e.limitMs) throw LimitError(fmt::format("took {:.0f} ms; the limit is {:.0f} ms", record.totalMs, e.limitMs));
 

@@ -52,6 +52,15 @@ std::vector<Race> racesOf(const SweepResults& r) {
   return out;
 }
 
+/// Where a scene's time runs, configurations are measured in their last frame: the tracer sees that one, standing.
+Preset momentMeasured(Preset preset, const Experiment& e) {
+  if (!preset.animation.play) return preset;
+  if (e.stop.kind != StopRule::Kind::Frames) throw badInput(fmt::format("{}: a scene whose time runs is raced against the path tracer only with \"stop\" by frames; set \"path_tracer\" to false", e.file.string()));
+  preset.animation.play = false;
+  preset.animation.start += static_cast<float>(e.stop.amount - 1) / preset.animation.rate;
+  return preset;
+}
+
 std::string keyOf(const Race& race, uint32_t seed, const Experiment& e) {
   Hasher h;
   h.text(presetHash(race.preset)).text(race.transport).value(seed).array(race.times);
@@ -108,7 +117,7 @@ void Sweep::raceTracer(Session& session, Progress& p) {
       TracerRun run{keyOf(race, seed, r.experiment), race.problem, race.transport, seed, r.hostThreads, {}};
       if (std::any_of(r.tracer.begin(), r.tracer.end(), [&](const TracerRun& t) { return t.key == run.key; })) continue;
       if (!loaded) {
-        session.load(race.preset, &p);
+        session.load(momentMeasured(race.preset, r.experiment), &p);
         session.reference("image", &p);
         loaded = true;
       }

@@ -13,7 +13,7 @@ namespace hl {
 namespace {
 
 // Changes whenever a run of the same preset would be measured in another way: results of before are then not taken up.
-constexpr uint32_t kRunVersion = 2;
+constexpr uint32_t kRunVersion = 3;
 
 /// `other`: the preset that it is compared with, null where none.
 std::string keyOf(const Experiment& e, const Preset& preset, int repeat, const Preset* other) {
@@ -57,7 +57,7 @@ PassStatistics passOf(const json& p) {
   PassStatistics out;
   out.name = p.at("name"), out.where = p.at("where");
   out.medianMs = numberOr(p, "median_ms", 0), out.p5Ms = numberOr(p, "p5_ms", 0), out.p95Ms = numberOr(p, "p95_ms", 0);
-  out.meanMs = numberOr(p, "mean_ms", 0), out.share = numberOr(p, "share_of_frames", 1);
+  out.meanMs = numberOr(p, "mean_ms", 0), out.share = numberOr(p, "share_of_frames", 1), out.frameMs = numberOr(p, "frame_ms", out.medianMs);
   if (!p.at("skipped").is_null()) out.skipped = p.at("skipped");
   return out;
 }

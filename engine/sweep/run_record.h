@@ -53,7 +53,7 @@ struct RunRecord {
   std::map<std::string, double> passBytes;         ///< that passes of a frame move, of those that state it
   double copyGbps = 0;             ///< that the device copied when the sweep began, each byte read and written; 0: not measured
   std::map<std::string, double> counters;
-  double techniqueMs = 0;          ///< of a frame: medians of the technique's own passes, each by the share of frames it runs in
+  double techniqueMs = 0;          ///< of a frame: the technique's own passes, on average over the frames that were timed
   double prepareMs = 0, workMs = 0;
   double totalMs = 0;              ///< preparation, work and frames up to the picture that was measured
   uint64_t deviceBytes = 0;        ///< all blocks on the device

@@ -140,8 +140,9 @@ std::vector<PassSummary> passesOf(const SweepResults& r, const std::vector<size_
       if (!p.skipped.empty() && !(p.medianMs > 0)) continue;
       size_t at = 0;
       while (at < out.size() && out[at].name != p.name) ++at;
-      if (at == out.size()) out.push_back({p.name, p.where, {}, 0}), ms.emplace_back();
+      if (at == out.size()) out.push_back({p.name, p.where, {}, 0, 1}), ms.emplace_back();
       ms[at].push_back(p.medianMs);
+      if (kind == &RunRecord::passes) out[at].share = p.share;
       if (kind == &RunRecord::passes)
         if (const auto moved = r.runs[i]->passBytes.find(p.name); moved != r.runs[i]->passBytes.end()) out[at].bytes = moved->second;
     }
@@ -167,7 +168,7 @@ ConfigurationSummary summaryOf(const SweepResults& r, size_t configuration, size
       continue;
     }
     good.push_back(i);
-    frame.push_back(run.frameTime.medianMs), technique.push_back(run.techniqueMs), prepare.push_back(run.prepareMs);
+    frame.push_back(run.frameTime.meanMs > 0 ? run.frameTime.meanMs : run.frameTime.medianMs), technique.push_back(run.techniqueMs), prepare.push_back(run.prepareMs);
     frameWidth.push_back(kMedianHalfWidth * (run.frameTime.p95Ms - run.frameTime.p5Ms));
     c.unaccounted = std::max(c.unaccounted, run.unaccounted);
     work.push_back(run.workMs), total.push_back(run.totalMs);

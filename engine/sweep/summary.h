@@ -36,6 +36,7 @@ struct PassSummary {
   std::string name, where;
   Spread ms;
   double bytes = 0;  ///< that it moves; 0: not stated
+  double share = 1;  ///< of frames, those in which it ran
   double gbps() const { return ms.median > 0 ? bytes / (1e6 * ms.median) : 0; }
 };
 

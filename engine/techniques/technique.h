@@ -56,7 +56,8 @@ struct FrameInputs {
   Camera camera = {}, previousCamera = {};  ///< of this frame and of the one before; the same in the first frame
   double time = 0, previousTime = 0;        ///< [s] of the scene's animations; a function of the frame's number alone
   uint32_t sinceChange = 0;                 ///< frames since the last reset, or the last change that the technique follows
-  bool cameraMoved = false, lightsChanged = false, geometryMoved = false;  ///< since the technique's frame before
+  bool cameraMoved = false;                            ///< since the frame before
+  bool lightsChanged = false, geometryMoved = false;   ///< since the technique's frame before
 };
 
 /// Both RGBA32F at G-buffer pixels.

@@ -200,6 +200,9 @@ TEST(SurfelHardCase, ASettledCacheRestsUntilSomethingChanges) {
   EXPECT_NEAR(raysAFrame(38), 1, 0.1);
   EXPECT_NEAR(h.mean() / lit, 2, 0.05);
   for (int i = 0; i < 8; ++i) h.frame(c);
+  EXPECT_NEAR(raysAFrame(8), 0.25, 0.03);
+  h.set("surfels.coverage", "0.9");
+  EXPECT_NEAR(raysAFrame(1), 1, 0.1);
 
   // A camera that moves finds all surfels and sees its picture at once: the one that the other way round gives, too.
   h.set("surfels.ray_budget", "0").set("surfels.place_chance", "0").set("surfels.recycle", "false");

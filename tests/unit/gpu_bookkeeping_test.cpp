@@ -153,6 +153,7 @@ TEST(Profiler, KnowsInHowManyFramesAPassRan) {
   EXPECT_EQ(profiler.passes()[1].skipped, "not in the latest frame");
   EXPECT_DOUBLE_EQ(profiler.passes()[1].share, 0.25);
   EXPECT_DOUBLE_EQ(profiler.passes()[2].share, 0);
+  EXPECT_DOUBLE_EQ(trace.frameMs, 2);
   EXPECT_DOUBLE_EQ(profiler.frame().medianMs, 1);
   EXPECT_DOUBLE_EQ(profiler.frame().meanMs, 3);
   BatchTimings none = batch(0);
@@ -160,6 +161,10 @@ TEST(Profiler, KnowsInHowManyFramesAPassRan) {
   for (int i = 0; i < 13; ++i) profiler.add(none);
   EXPECT_DOUBLE_EQ(profiler.passes()[0].share, 0);  // of the latest
   EXPECT_EQ(profiler.passes().size(), 2u);
+  profiler.forgetTimes();
+  for (int i = 0; i < 4; ++i) profiler.add(batch(i == 0 ? 40 : 4));
+  EXPECT_DOUBLE_EQ(profiler.passes()[0].frameMs, 13);  // the first counts: it is no warm-up
+  EXPECT_DOUBLE_EQ(profiler.frame().meanMs, 14);
 }
 
 TEST(Profiler, AddsUpPassesOfOneName) {

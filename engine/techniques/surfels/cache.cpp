@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "engine/core/error.h"
 #include "shaders/shared/ray.h"
@@ -66,7 +67,9 @@ void SurfelCache::restart() {
   frame_ = harvested_ = lastPlaced_ = 0;
   listsStand_ = false;
   age_ = 0;
-  still_ = 0;
+  still_ = casts_ = 0;
+  lastParams_ = {};
+  lastFrame_ = {};
   last_ = {};
   sums_ = {};
   raysCast_ = 0;
@@ -158,12 +161,12 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   const double inView = std::min(last_.inView, last_.alive);
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
   const bool moves = moved(in, f), lacks = lacksSurfels(params);
-  f.still = moves || in.lightsChanged ? 0 : still_;
+  f.still = moves || in.lightsChanged || std::memcmp(&params, &lastParams_, sizeof params) != 0 ? 0 : still_;
   const bool settled = f.frozen == 0 && params.estimator != kEstimatorEma && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames);
   const uint32_t every = settled ? static_cast<uint32_t>(params.settled_every) : 1, turn = (f.still + every - static_cast<uint32_t>(params.settle_frames) % every) % every;
   f.casts = turn == 0 ? 1 : 0;
   f.gathers = turn == every / 2 ? 1 : 0;
-  f.recent = shared::kRecentFrames + every - 1;
+  f.recent = std::max(shared::kRecentFrames + every - 1, f.still == 0 && lastFrame_.still > 0 ? lastFrame_.recent : 0);  // what was in view while resting is so in the frame that wakes
   const double young = last_.alive > 0 ? static_cast<double>(last_.young) / static_cast<double>(shared::kYoungUnit) : 0;
   const uint64_t most = std::min<uint64_t>(hitSurfaces_.largestBatch(), PrefixSum::kMost / 2);
   f.rays = f.casts != 0 ? static_cast<uint32_t>(std::min<uint64_t>(std::llround(static_cast<double>(params.ray_budget) * (counted + young)), static_cast<long long>(most))) : 0;

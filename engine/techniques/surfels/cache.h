@@ -74,6 +74,8 @@ class SurfelCache {
   bool listsStand_ = false;  ///< nothing was placed or removed since they were made
   float age_ = 0;            ///< SurfelFrame::age of the last one
   uint32_t still_ = 0;       ///< the next one's SurfelFrame::still, if nothing changes in it
+  uint32_t casts_ = 0;       ///< frames so far that cast rays
+  SurfelsParams lastParams_{};
   uint32_t harvested_ = 0;   ///< stamp of the last totals that were read
   shared::SurfelTotals last_{};
   shared::SurfelFrame lastFrame_{};

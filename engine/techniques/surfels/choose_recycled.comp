@@ -20,7 +20,7 @@ bool goes(uint id, SurfelState s) {
   const vec4 place = texelFetch(records, int(kRecordTexels * id));
   const uint idle = min(frame.frame - s.lastSeen, frame.frame - s.lastUsed);
   // The farther from the eye, the sooner; at the scene's diagonal for certain.
-  if (frame.fill > surfels.recycle_fill && idle > uint(surfels.recycle_frames))
+  if (frame.fill > surfels.recycle_fill && idle > uint(surfels.recycle_frames) + frame.recent - kRecentFrames)
     return luck < surfels.recycle_chance * min(1.0, 0.25 + distance(place.xyz, frame.eye) / frame.diagonal);
   // Only those that know their light count as covering: what has learnt does not make room for what has not.
   const vec4 normal = texelFetch(records, int(kRecordTexels * id + 1u));

@@ -41,6 +41,8 @@ void SurfelCache::record(FrameGraph& graph, const FrameInputs& in, const Surfels
       .dispatch(1);
   if (f.listed != 0 || f.places != 0) listsStand_ = f.places == 0;
   if (f.places != 0) lastPlaced_ = f.frame;
+  if (f.casts != 0) ++casts_;
+  lastParams_ = params;
   lastFrame_ = f;
   age_ = f.age;
   still_ = f.still + 1;
@@ -113,7 +115,7 @@ void SurfelCache::recordRays(FrameGraph& graph, const shared::SurfelFrame& f, co
   batch.count = f.rays;
   batch.offset = offset;
   batch.seed = f.seed;
-  batch.sample = f.frame;
+  batch.sample = casts_;  // not the frame: every fourth point of a sequence is none
   hitSurfaces_.record(graph, "surfels", batch);
   ComputePass shade = graph.compute("surfels: shade hits", "surfels/shade_hits.comp");
   bindLookup(shade, f, params)

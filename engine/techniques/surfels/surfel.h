@@ -123,7 +123,7 @@ struct SurfelFrame {
   uint places;        ///< 1: surfels are placed and removed in this frame
   uint listed;        ///< 1: lists are made in this frame, else they are those of an earlier one
   uint lightChanged;  ///< 1: lights are not what they were
-  uint still;         ///< frames before this one in a row in which nothing moved and no light changed
+  uint still;         ///< frames before this one in a row in which nothing moved, and neither lights nor parameters changed
   uint casts;         ///< 1: rays are cast and estimates learn in this frame
   uint gathers;       ///< 1: pixels gather in this frame, else they keep what they have
   uint recent;        ///< frames a surfel counts as in view for

@@ -126,7 +126,7 @@ void main() {
   float young = 0.0;
   if (seen) atomicAdd(totals.inView, 1u);
   // One that a ray placed is in view to that ray: without these few frames' rays a fresh cache is twice as noisy.
-  if (seen || frame.frame - sites[id].birth <= kRecentFrames) {
+  if (seen || frame.frame - sites[id].birth <= frame.recent) {
     const float growth = max(windowGrowth(s.samples), 1.0);
     young = min(surfels.young_rays * growth / (s.samples + growth), float(surfels.rays_max));
   }
