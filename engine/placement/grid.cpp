@@ -29,7 +29,7 @@ void placeGrid(const PlacementTask& task, PlacedProbes& out) {
                         (static_cast<float>(z) + 0.5f) / static_cast<float>(n[2]));
         places.push_back(task.bounds.min + side * cell);
       }
-  keepFree(task, places, out);
+  keepFree(task, outsideSolids(task, places, out), out);
 }
 
 }  // namespace hl

@@ -12,46 +12,9 @@
 namespace hl {
 namespace {
 
-/// Voxels of a space that are asked whether it is inside geometry: the middle ones of so many equal pieces of it.
-constexpr size_t kAsked = 64;
 /// Pairs of candidates within the merge radius that are looked at: each is a ray, and 8 bytes.
 constexpr uint64_t kMostPairs = uint64_t{1} << 26;
 constexpr size_t kGrain = 64;
-
-/// Which empty spaces probes may stand in. Those whose walls show their backs are inside geometry. Of those that meet nothing but two-sided surfaces, which say
-/// nothing, those that a camera is in; all where none is in any.
-std::vector<bool> openSpaces(const PlacementTask& task, const VoxelSpace& s) {
-  std::vector<std::vector<size_t>> voxels(s.spaces);
-  std::vector<size_t> sizes(s.spaces, 0);
-  for (const uint32_t id : s.space)
-    if (id != kSurfaceVoxel) ++sizes[id];
-  std::vector<size_t> seen(s.spaces, 0);
-  for (size_t i = 0; i < s.space.size(); ++i) {
-    const uint32_t id = s.space[i];
-    if (id == kSurfaceVoxel) continue;
-    const size_t step = (sizes[id] + kAsked - 1) / kAsked;
-    if (seen[id]++ % step == step / 2) voxels[id].push_back(i);
-  }
-  std::vector<bool> camera(s.spaces, false);
-  bool anyCamera = false;
-  for (const Camera& c : task.embree.scene().cameras) {
-    const ivec3 v = s.voxelOf(c.position);
-    // One beside the bounds stands in the outermost layer's space.
-    const uint32_t id = s.space[s.index(glm::clamp(v, ivec3(0), s.counts - 1))];
-    if (id != kSurfaceVoxel) camera[id] = anyCamera = true;
-  }
-  std::vector<bool> open(s.spaces, false);
-  std::vector<vec3> places;
-  for (uint32_t id = 0; id < s.spaces; ++id) {
-    places.clear();
-    for (const size_t v : voxels[id]) places.push_back(s.centre(s.at(v)));
-    float backs = 0, fronts = 0;
-    for (const Surroundings& a : lookAround(task.embree, places, task.pool, task.progress)) backs += a.backs, fronts += a.fronts;
-    const auto n = static_cast<float>(std::max<size_t>(places.size(), 1));
-    open[id] = backs < task.params.inside_threshold * n && (fronts > 0 || camera[id] || !anyCamera);
-  }
-  return open;
-}
 
 /// Of each candidate those others within `radius` that it sees, by number; itself included.
 std::vector<std::vector<uint32_t>> seenBy(const PlacementTask& task, const VoxelSpace& s, const std::vector<vec3>& places, const std::vector<uint32_t>& candidateOf, float radius) {

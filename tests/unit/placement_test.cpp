@@ -137,6 +137,25 @@ TEST(PlacementGrid, AThinWallHidesWhatIsBehind) {
   EXPECT_NEAR(Placed(s, p).probes.coverage, (3 + 1) / (6 + 2 + 0.008), 0.01);
 }
 
+TEST(PlacementGrid, NoneInATwoSidedSolid) {
+  for (const bool twoSided : {false, true}) {
+    Scene s = room();
+    s.materials[0].twoSided = twoSided;
+    const vec3 low(0.3f, 0.0f, 0.3f), high(0.75f, 0.62f, 0.75f);
+    addBlock(s, low, high, 0);
+    Camera camera;
+    camera.position = vec3(0.1f, 0.8f, 0.1f);
+    s.cameras.push_back(camera);
+    ProbesParams p;
+    p.count_x = p.count_y = p.count_z = 3;
+    const Placed placed(std::move(s), p);
+    EXPECT_EQ(placed.probes.candidates, 27u);
+    EXPECT_EQ(placed.probes.rejectedInside, 2u) << "the middle one, and the one below it";
+    EXPECT_EQ(placed.probes.count(), 25u);
+    for (const vec3 at : placed.probes.positions) EXPECT_FALSE(within(at, low, high));
+  }
+}
+
 ProbesParams greedy(float voxel = 0.1f, float radius = 0.4f) {
   ProbesParams p;
   p.placement = kPlacementVoxelGreedy;
