@@ -142,7 +142,7 @@ TEST_P(EveryTechniqueMoving, AMovedBlockLeavesNoTrail) {
   const auto session = makeSession();
   session->load(here);
   session->settle();
-  session->setTime(0.5);
+  session->setTime(1);
   const auto first = session->frame();
   if (GetParam() == "surfels") {
     // Surfels ride on the block: of the pixels that see its front again none has lost its cover.
