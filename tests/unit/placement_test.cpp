@@ -137,22 +137,28 @@ TEST(PlacementGrid, AThinWallHidesWhatIsBehind) {
   EXPECT_NEAR(Placed(s, p).probes.coverage, (3 + 1) / (6 + 2 + 0.008), 0.01);
 }
 
+constexpr vec3 kBlockLow(0.3f, 0.0f, 0.3f), kBlockHigh(0.75f, 0.62f, 0.75f);
+
+/// The room with a solid block in it, and a camera beside it.
+Scene roomWithBlock(bool twoSided) {
+  Scene s = room();
+  s.materials[0].twoSided = twoSided;
+  addBlock(s, kBlockLow, kBlockHigh, 0);
+  Camera camera;
+  camera.position = vec3(0.1f, 0.8f, 0.1f);
+  s.cameras.push_back(camera);
+  return s;
+}
+
 TEST(PlacementGrid, NoneInATwoSidedSolid) {
   for (const bool twoSided : {false, true}) {
-    Scene s = room();
-    s.materials[0].twoSided = twoSided;
-    const vec3 low(0.3f, 0.0f, 0.3f), high(0.75f, 0.62f, 0.75f);
-    addBlock(s, low, high, 0);
-    Camera camera;
-    camera.position = vec3(0.1f, 0.8f, 0.1f);
-    s.cameras.push_back(camera);
     ProbesParams p;
     p.count_x = p.count_y = p.count_z = 3;
-    const Placed placed(std::move(s), p);
+    const Placed placed(roomWithBlock(twoSided), p);
     EXPECT_EQ(placed.probes.candidates, 27u);
     EXPECT_EQ(placed.probes.rejectedInside, 2u) << "the middle one, and the one below it";
     EXPECT_EQ(placed.probes.count(), 25u);
-    for (const vec3 at : placed.probes.positions) EXPECT_FALSE(within(at, low, high));
+    for (const vec3 at : placed.probes.positions) EXPECT_FALSE(within(at, kBlockLow, kBlockHigh));
   }
 }
 
@@ -177,19 +183,12 @@ TEST(PlacementVoxelGreedy, EveryCandidateHasAProbeThatSeesItWithinTheRadius) {
 
 TEST(PlacementVoxelGreedy, NoneInASolidBlockNorOutsideTheRoom) {
   for (const bool twoSided : {false, true}) {
-    Scene s = room();
-    s.materials[0].twoSided = twoSided;
-    const vec3 low(0.3f, 0.0f, 0.3f), high(0.75f, 0.62f, 0.75f);
-    addBlock(s, low, high, 0);
-    Camera camera;
-    camera.position = vec3(0.1f, 0.8f, 0.1f);
-    s.cameras.push_back(camera);
-    const Placed placed(std::move(s), greedy(0.05f, 0.3f));
+    const Placed placed(roomWithBlock(twoSided), greedy(0.05f, 0.3f));
     EXPECT_GT(placed.probes.count(), 4u);
     EXPECT_GT(placed.probes.rejectedInside, 0u);
     EXPECT_GT(placed.probes.coverage, 0.85);
     for (const vec3 at : placed.probes.positions) {
-      EXPECT_FALSE(within(at, low, high));
+      EXPECT_FALSE(within(at, kBlockLow, kBlockHigh));
       EXPECT_TRUE(within(at, vec3(0.0f), vec3(1.0f)));
     }
   }

@@ -162,8 +162,9 @@ shared::SurfelFrame SurfelCache::frameOf(const FrameInputs& in, const SurfelsPar
   const double counted = params.budget_in_view != 0 ? inView + static_cast<double>(params.hidden_share) * (last_.alive - inView) : last_.alive;
   const bool moves = moved(in, f), lacks = lacksSurfels(params);
   f.still = moves || in.lightsChanged || std::memcmp(&params, &lastParams_, sizeof params) != 0 ? 0 : still_;
-  const bool settled = f.frozen == 0 && params.estimator != kEstimatorEma && !lacks && f.still >= static_cast<uint32_t>(params.settle_frames);
-  const uint32_t every = settled ? static_cast<uint32_t>(params.settled_every) : 1, turn = (f.still + every - static_cast<uint32_t>(params.settle_frames) % every) % every;
+  const auto settleFrames = static_cast<uint32_t>(params.settle_frames);
+  const bool settled = f.frozen == 0 && params.estimator != kEstimatorEma && !lacks && f.still >= settleFrames;
+  const uint32_t every = settled ? static_cast<uint32_t>(params.settled_every) : 1, turn = settled ? (f.still - settleFrames) % every : 0;
   f.casts = turn == 0 ? 1 : 0;
   f.gathers = turn == every / 2 ? 1 : 0;
   f.recent = std::max(shared::kRecentFrames + every - 1, f.still == 0 && lastFrame_.still > 0 ? lastFrame_.recent : 0);  // what was in view while resting is so in the frame that wakes
